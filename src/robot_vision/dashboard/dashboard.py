@@ -55,9 +55,9 @@ class Dashboard:
             expected=(rospy.ROSException, rospy.ServiceException),
         )
         rospy.on_shutdown(self._close)
-        rospy.Service("~print_address", Trigger, self._on_print_address)
         review_params()
         self._print_address()
+        rospy.Service("~print_address", Trigger, self._on_print_address)
         if settings.open_browser:
             open_browser(self._access.url_with_code(settings.address))
 

@@ -4,8 +4,9 @@ import contextlib
 import os
 import threading
 import time
-from typing import Dict
+from typing import Collection, Dict, Set
 
+import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from std_srvs.srv import Trigger
@@ -13,6 +14,7 @@ from std_srvs.srv import Trigger
 from ..common.throttle import Throttle
 from ..ros.context import current
 from ..ros.params import read_param
+from ..ros.registration import UNREACHABLE_ERRORS
 from ..ros.startup import run_node
 from .window_tiles import Tiles
 
@@ -61,7 +63,7 @@ WINDOWS_TIMEOUT = 120.0  # s for all windows to open
 MAX_PERIOD = 3600.0  # s
 PRINT_ADDRESS = "dashboard/print_address"  # the service of the dashboard beside this node
 SERVICE_TIMEOUT = 10.0  # s for the dashboard to start
-LAST_INCOMPLETE = 10  # rounds until a node that is missing is not waited for
+LAST_WITHOUT_NEWS = 10  # rounds in which nobody new reports until nobody is waited for
 POLL = 0.5  # s
 
 
@@ -82,7 +84,8 @@ class DemoStatus:
     """Prints a line for each node, in the order in which frames pass the nodes.
 
     It does so as often as they report, every second, or with ~period at most every so many s. With
-    ~dashboard true it begins when all have reported, and has the dashboard print its address again.
+    ~dashboard true it begins when the dashboard is there and all report, or nobody new has for ten
+    rounds, and has the dashboard print its address again.
 
     With windows (~view true) it also puts them side by side. With neither windows nor a dashboard,
     the default, it first prints the topics that can be viewed.
@@ -112,7 +115,8 @@ class DemoStatus:
             print("  rosrun image_view image_view image:=" + TOPICS["edge_detector"])
             print(*("  " + topic for topic in self._topics.values()), sep="\n", flush=True)
         self._throttle = Throttle(read_param("period", 0.0, 0.0, MAX_PERIOD))
-        self._rounds = 0
+        self._seen: Set[str] = set()  # nodes that have reported
+        self._without_news = 0  # rounds in which none came to these
         self._lock = threading.Lock()  # guards the rounds: each publisher has its own thread
         self._round: Dict[str, DiagnosticStatus] = {}
         current().subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics)
@@ -133,16 +137,32 @@ class DemoStatus:
             self._print_round()
 
     def _print_round(self) -> None:
-        self._rounds += 1
-        # All nodes first come together in one table, with the address below it.
-        ready = len(self._round) == len(self._topics) or self._rounds > LAST_INCOMPLETE
-        if (ready or not self._wants_address) and self._throttle.due():
-            lines = [line(name, self._round[name]) for name in self._topics if name in self._round]
+        reported, self._round = self._round, {}
+        # All nodes first come together in one table, with the address above and below it.
+        if self._wants_address and not self._is_worth_printing(reported):
+            return
+        if self._throttle.due():
+            lines = [line(name, reported[name]) for name in self._topics if name in reported]
             print("", *lines, sep="\n", flush=True)
-        if ready and self._wants_address:
+        if self._wants_address:
             self._wants_address = False
             current().thread(print_address, "address").start()
-        self._round.clear()
+
+    def _is_worth_printing(self, reported: Collection[str]) -> bool:
+        """Returns whether all is up, or so many rounds have brought nothing new that it may be."""
+        news = not self._seen.issuperset(reported)
+        self._seen.update(reported)
+        self._without_news = 0 if news else self._without_news + 1
+        if self._without_news > LAST_WITHOUT_NEWS:
+            return True
+        return len(reported) == len(self._topics) and is_there(PRINT_ADDRESS)
+
+
+def is_there(service: str) -> bool:
+    """Returns whether a service is there, as the master says; False if that does not answer."""
+    with contextlib.suppress(*UNREACHABLE_ERRORS):
+        return bool(rosgraph.Master(rospy.get_name()).lookupService(current().resolve(service)))
+    return False
 
 
 def print_address() -> None:
