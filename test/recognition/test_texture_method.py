@@ -262,6 +262,16 @@ def test_what_of_an_object_cannot_be_used_is_told_and_the_others_are_there(
     )
 
 
+def test_names_that_are_not_there_leave_the_others(run, path, mesh):
+    tea = add(path, "tea", mesh)
+    assert run()[0] == 0
+    loaded = load_objects(path, ["tea", "nothing", tea.id], ["TOD"])
+    assert ([one.name for one in loaded.objects], loaded.problem) == (["tea"], "")
+    assert loaded.lacks == [f"there is no object 'nothing' in {path}"]
+    alone = load_objects(path, ["nothing"], ["TOD"])
+    assert (alone.objects, alone.problem) == ([], f"there is no object 'nothing' in {path}")
+
+
 ODD = {  # values of columns, and what is said of them
     "models.parameters": [
         ("[" * 100000, "parameters is no JSON: it is nested too deeply"),

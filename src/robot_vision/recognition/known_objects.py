@@ -1,7 +1,7 @@
 """The objects that a node is to recognize, loaded from the database."""
 
 import itertools
-from typing import Dict, List, NamedTuple, Optional, Sequence
+from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -49,21 +49,39 @@ def load_objects(path: str, chosen: Sequence[str], methods: Sequence[str]) -> Lo
         return Loaded([], [], "")
     try:
         with Database(path) as database:
-            there = list(map(database.objects.find, chosen)) if chosen else database.objects.all()
+            there, failures = _choose(database, chosen)
             parts = [_load(database, one, methods) for one in there]
     except (OSError, ValueError) as error:
         return Loaded([], [], str(error))
     objects = [part.known for part in parts if part.known is not None]
-    failures = [line for part in parts for line in part.failures]
+    failures += [line for part in parts for line in part.failures]
     lacks = failures + [line for part in parts for line in part.lacks]
     problem = ""
-    if not there:
+    if not there and failures:
+        problem = failures[0]
+    elif not there:
         problem = f"no objects in {path}: object_add.py adds them"
     elif not objects and failures:
         problem = f"no object in {path} can be used: {failures[0]}"
     elif not objects:
         problem = f"no object in {path} was learned by {' or '.join(methods)}: training does it"
     return Loaded(objects, [] if problem else lacks, problem)
+
+
+def _choose(database: Database, chosen: Sequence[str]) -> Tuple[List[Object], List[str]]:
+    """Returns the objects with these ids and names, each once, and why some are not there."""
+    if not chosen:
+        return database.objects.all(), []
+    there: Dict[str, Object] = {}
+    failures = []
+    for text in chosen:
+        try:
+            one = database.objects.find(text)
+        except ValueError as error:
+            failures.append(str(error))
+        else:
+            there[one.id] = one
+    return list(there.values()), failures
 
 
 def _load(database: Database, one: Object, methods: Sequence[str]) -> _Part:
