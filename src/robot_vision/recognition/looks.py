@@ -16,17 +16,18 @@ class Looks:
     """Draws objects as a camera with its lens sees them."""
 
     def __init__(self) -> None:
-        self._camera: Optional[CameraModel] = None
-        self._drawn_by: Optional[MeshCamera] = None
+        # Of the newest image, in one value, as threads may draw for images of different cameras.
+        self._camera: Optional[Tuple[CameraModel, MeshCamera]] = None
 
     def of(self, one: Found, camera: CameraModel, with_colors: bool) -> Look:
         """Returns how an object looks; others that may hide it are not drawn."""
-        if camera is not self._camera:
-            self._camera, self._drawn_by = camera, MeshCamera(camera)
+        known = self._camera
+        if known is None or known[0] is not camera:
+            known = self._camera = camera, MeshCamera(camera)
         region = _region(one, camera)
         if not region[2] or not region[3]:
             return _nothing()
-        view = one.object.renderer.render(self._drawn_by, one.pose, region, bgr=with_colors)
+        view = one.object.renderer.render(known[1], one.pose, region, bgr=with_colors)
         seen = np.isfinite(view.depth).astype(np.uint8)
         x, y, width, height = cv2.boundingRect(seen)
         if not width:
