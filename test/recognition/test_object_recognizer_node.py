@@ -13,6 +13,7 @@ from calibrated_camera import info_of
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from foreign_messages import foreign_messages
 from frames import Source, message, new_topic, pixels
+from geometry_msgs.msg import TransformStamped
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger
@@ -38,6 +39,7 @@ from robot_vision.recognition.view_method import VIEWS
 from robot_vision.srv import GetObjectInformation
 
 NAMES = ("duck", "can", "box")
+DONE = (actionlib.GoalStatus.SUCCEEDED, actionlib.GoalStatus.ABORTED)
 SYMMETRIES = {  # the box but for its textures, which the depths do not show
     "duck": [],
     "can": [Symmetry((0.0, 0.0, 1.0))],
@@ -295,12 +297,20 @@ def test_live_parameters(start, kitchen, table):
     low = {f"{axis}_min": value - 0.02 for axis, value in place.items()}
     high = {f"{axis}_max": value + 0.02 for axis, value in place.items()}
     assert found(crop=True, **low, **high) == {"duck"}
+    newest = statuses()
+    left_out = lambda: newest() and values_of(newest())["can"].endswith(", 1 outside of the crop")  # noqa: E731
+    eyes.shown_until(left_out, "what became of the can")
+    assert values_of(newest())["duck"].count(",") == 1
     assert found(crop=False, objects="box", max_distance=0.5) == set()
     assert found(objects="", max_distance=3.0) == set(NAMES)
     assert found(on_tables=True) == set(NAMES)
     config = support.reconfigured("/object_recognizer", crop=True, z_min=3.0, z_max=2.0)
     assert config["z_min"] == pytest.approx(low["z_min"])
     eyes.process.wait_for_output("z_min is 3, must be at most z_max, 2")
+
+
+def values_of(status):
+    return {one.key: one.value for one in status.values}
 
 
 def statuses():
@@ -336,7 +346,7 @@ def test_what_cannot_be_recognized_is_told_until_it_can(start, tmp_path, table):
     told(DiagnosticStatus.ERROR, f"no object in {path} was learned by PPF: training does it")
     learn(path, "duck")
     told(DiagnosticStatus.OK, "1 recognized of 1 known objects")
-    assert {one.key: one.value for one in newest().values}["duck"].startswith("found 1, probabil")
+    assert values_of(newest())["duck"].startswith("found 1, probability")
     add(path, "can")
     told(DiagnosticStatus.WARN, "'can' was not learned by PPF: training does it")
     with Database(str(path), write=True) as database, database.transaction():
@@ -345,7 +355,7 @@ def test_what_cannot_be_recognized_is_told_until_it_can(start, tmp_path, table):
     told(DiagnosticStatus.WARN, "'can' is not recognized by PPF: the beginning of a trained model")
 
     def duck():
-        return {one.key: one.value for one in newest().values}.get("duck", "")
+        return values_of(newest()).get("duck", "")
 
     eyes.shown_until(lambda: duck().startswith("found 1, probability"), "the duck")
     eyes.process.wait_for_output("'can' is not recognized by PPF: the beginning of a trained model")
@@ -414,6 +424,52 @@ def test_images_without_depth_are_a_problem(start, kitchen, table):
     newer = lambda: [one for one in arrays.received if one.header.stamp.secs > before]  # noqa: E731
     eyes.shown_until(newer, "an image with depth")
     told(DiagnosticStatus.OK, "3 recognized of 3 known objects")
+
+
+def test_goals_of_an_idle_node_wait_until_it_is_known_what_is_up(start, kitchen, table):
+    """What is asked for is on tables, which are those that are level."""
+    eyes = Eyes(start, table, kitchen, "_on_tables:=true", "_vertical_frame:=level")
+    client = actionlib.SimpleActionClient(
+        "/object_recognizer/recognize_objects", ObjectRecognitionAction
+    )
+    assert client.wait_for_server(rospy.Duration(support.DEADLINE))
+    newest = statuses()
+
+    def answer():
+        client.send_goal(ObjectRecognitionGoal())
+        eyes.shown_until(lambda: client.get_state() in DONE, "the end of the goal")
+        return client.get_state(), client.get_goal_status_text()
+
+    lack = "no transform from the vertical_frame 'level' to its frame 'eye', expected on "
+    state, text = answer()
+    assert state == actionlib.GoalStatus.ABORTED and text.startswith(lack)
+    support.wait_for(lambda: newest() and newest().message.startswith(lack), "that in the status")
+    transforms = rospy.Publisher("/tf_static", TFMessage, queue_size=1, latch=True)
+    # The camera looks along what is said to be up, and sees no table from there.
+    upright = TransformStamped(child_frame_id="level")
+    upright.header.frame_id = "eye"
+    upright.transform.rotation.w = 1.0
+    transforms.publish(TFMessage([upright]))
+    assert answer()[0] == actionlib.GoalStatus.SUCCEEDED
+    assert client.get_result().recognized_objects.objects == []
+    missed = "not found: nothing stands on a table"
+    support.wait_for(lambda: values_of(newest()) == dict.fromkeys(NAMES, missed), "the reasons")
+    assert support.reconfigured("/object_recognizer", vertical_frame="")["vertical_frame"] == ""
+    assert answer()[0] == actionlib.GoalStatus.SUCCEEDED
+    assert set(named(kitchen, client.get_result().recognized_objects)) == set(NAMES)
+    told = "3 recognized of 3 known objects"
+    support.wait_for(lambda: newest().message == told, "the status of the last image")
+    transforms.unregister()
+
+
+def test_what_needs_depth_says_so_without_it(start, kitchen, table):
+    eyes = Eyes(start, table, kitchen, depth=False)
+    newest = statuses()
+    shown = support.subscribed("/object_recognizer/processed_image", Image)
+    eyes.wait_for()
+    eyes.shown_until(lambda: newest() and shown.received, "a status and an overlay")
+    said = "what was learned of the objects needs depth, and the name 'depth' is not remapped"
+    assert (newest().level, newest().message) == (DiagnosticStatus.ERROR, said)
 
 
 def test_reload(start, tmp_path, table):

@@ -62,6 +62,49 @@ def test_a_call_does_not_get_a_frame_that_may_have_been_on_its_way(calls, begin,
     assert call.result(TIMEOUT) == "new"
 
 
+class Clock:
+    """Takes the place of the module time."""
+
+    now = 1000.0  # s
+
+    def monotonic(self):
+        return self.now
+
+
+def test_a_call_is_late_by_the_time_in_which_no_frame_is_processed(monkeypatch):
+    clock = Clock()
+    monkeypatch.setattr(frame_calls, "time", clock)
+    calls = FrameCalls(Node())
+    with calls.processing():  # of a frame from before the call
+        clock.now += 2.0
+        call = frame_calls._Call(clock.now, calls._busy_until_now(), None)
+        clock.now += 100.0
+        assert calls._waited(call) == 0.0
+    clock.now += 3.0
+    assert calls._waited(call) == pytest.approx(3.0)
+    with calls.processing():
+        clock.now += 100.0
+        assert calls._waited(call) == pytest.approx(3.0)
+    with pytest.raises(RuntimeError), calls.processing():
+        raise RuntimeError("a frame of no use")
+    clock.now += 4.0
+    assert calls._waited(call) == pytest.approx(7.0)
+
+
+def test_a_frame_that_takes_longer_than_a_call_waits_is_answered(calls):
+    waits = threading.Event()
+    with concurrent.futures.ThreadPoolExecutor() as pool, calls.processing():
+        call = pool.submit(calls.wait, 0.0, waits.set)
+        # Asked twice: the first question may have come before the time was looked at.
+        for _ in range(2):
+            waits.clear()
+            assert waits.wait(TIMEOUT)
+        calls.offer(lambda: "new")
+        assert call.result(TIMEOUT) == "new"
+    with pytest.raises(RuntimeError, match="no frame within 0 s"):
+        calls.wait(0.0)
+
+
 def test_what_cannot_be_made_is_raised_where_it_is_waited_for(calls, begin):
     call = begin()
     calls.offer(lambda: 1 // 0)

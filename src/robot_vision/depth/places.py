@@ -34,15 +34,21 @@ def frame_ids(detections: Sequence[Detection], prefix: str) -> List[str]:
     taken: Set[str] = set()
     without_id: Counter = Counter()
     for one in detections:
-        label = re.sub("[^A-Za-z0-9]+", "_", to_ascii(one.label, NAME_LENGTH)).strip("_")
+        label = label_in_frames(one.label)
         number = one.id
         if number < 0:
             number = without_id[label]
             without_id[label] += 1
-        name = f"{prefix}{label or 'thing'}_{number}"
+        name = f"{prefix}{label}_{number}"
         names.append("" if name in taken else name)
         taken.add(name)
     return names
+
+
+def label_in_frames(label: str) -> str:
+    """Returns a label as it is in the name of a frame: ASCII letters, digits and lines."""
+    plain = re.sub("[^A-Za-z0-9]+", "_", to_ascii(label, NAME_LENGTH)).strip("_")
+    return plain or "thing"
 
 
 def at_position(position: np.ndarray, covariance: np.ndarray) -> PoseWithCovariance:

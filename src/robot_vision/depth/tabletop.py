@@ -16,25 +16,22 @@ from .. import (
     draw_text,
     validate,
 )
-from ..common.plain_text import NAME, brief, is_name, printable
+from ..common.plain_text import NAME, brief, is_name
 from ..msg import Detection3DArray, TableArray
 from ..ros.camera_info import NOT_CALIBRATED, CameraInfoListener
 from ..ros.configs import TabletopConfig
 from ..ros.depth_frames import DepthLook
-from ..ros.frame_transforms import FrameTransforms
 from ..ros.image_node import ImageNode
 from ..ros.live_params import LiveParams, filled
 from ..ros.params import read_name
 from ..ros.startup import run_node
-from ..ros.transport import Frame, FrameError, note_connections
+from ..ros.transport import Frame, note_connections
 from .depth_overlay import depth_gray
 from .depth_range import within
 from .table_markers import markers
 from .table_messages import object_array, table_array, transforms
 from .table_overlay import draw_tables
-
-TRANSFORM_GRACE = 2.0  # s, for the first transforms to come
-UNKNOWN = (0.0, 0.0, 0.0)  # what is up, if nothing says it
+from .vertical_axis import VerticalAxis
 
 
 class Settings(NamedTuple):
@@ -60,8 +57,8 @@ class Tabletop:
         self._table_frame = read_name("table_frame_id", "table")
         self._finder: Optional[TabletopFinder] = None
         self._made_of: Tuple[Any, ...] = ()  # what the finder was made of
-        self._transforms = FrameTransforms()
-        self._node = ImageNode(self._process, encoding="", idle=self._transforms.forget)
+        self._vertical = VerticalAxis()
+        self._node = ImageNode(self._process, encoding="", idle=self._vertical.forget)
         self._look = DepthLook(self._node.topic)
         self._params = LiveParams(TabletopConfig, self._configure)
         self._calibration = CameraInfoListener(self._node, "tables")
@@ -94,26 +91,9 @@ class Tabletop:
                 self._processed.publish(overlay, "bgr8", frame.header)
             self._calibration.refuse()
             return
-        up = self._up(frame, settings.vertical_frame)
+        up = self._vertical.of(frame, settings.vertical_frame)
         if up is not None:
             self._publish(frame, camera, settings, *self._find(frame, camera, settings, up))
-
-    def _up(self, frame: Frame, vertical: str) -> Optional[Tuple[float, ...]]:
-        """Returns what is up in the frame's optical frame; None as long as that may come."""
-        if not vertical:
-            self._transforms.forget()
-            return UNKNOWN
-        own = frame.header.frame_id
-        axes = self._transforms.rotation(own, vertical)
-        if axes is not None:
-            return tuple(axes[:, 2].tolist())
-        if self._transforms.age < TRANSFORM_GRACE:
-            return None
-        self._transforms.forget()  # It begins anew, as after a bag that plays again.
-        raise FrameError(
-            f"no transform from the vertical_frame '{vertical}' to its frame '{printable(own)}', "
-            "expected on /tf_static or /tf"
-        )
 
     def _find(
         self, frame: Frame, camera: CameraModel, settings: Settings, up: Tuple[float, ...]

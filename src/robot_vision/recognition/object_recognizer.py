@@ -1,7 +1,7 @@
 """The node object_recognizer, which recognizes learned objects and tells where they are."""
 
 import time
-from typing import Any, Callable, Dict, List, NamedTuple, Optional
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 import rospy
@@ -21,11 +21,12 @@ from ..ros.image_node import ImageNode
 from ..ros.live_params import LiveParams
 from ..ros.params import read_param, read_prefix
 from ..ros.startup import run_node
-from ..ros.transport import Frame, note_connections
+from ..ros.transport import Frame, FrameError, note_connections
 from .found import Found, Limits, Look
 from .looks import Looks
 from .missing_depth import MissingDepth
 from .object_info_service import ObjectInfoService
+from .object_numbers import ObjectNumbers
 from .object_source import ObjectSource
 from .recognition_markers import ObjectMarkers
 from .recognition_messages import clouds_of, detection_array, object_array, transforms
@@ -33,10 +34,13 @@ from .recognition_overlay import draw_objects
 from .recognition_report import RecognitionReport
 from .recognition_settings import read_methods, settings_of
 from .recognize_action import RecognizeAction
+from .recognizer import Recognizer
 from .straight_images import StraightImages
 from .tables_below import TablesBelow
 
 WITHOUT_DEPTH = "nothing is recognized"
+NEEDS_DEPTH = "what was learned of the objects needs depth, and the name 'depth' is not remapped"
+NOTHING_ON_TABLES = "not found: nothing stands on a table"
 WITHOUT_METHODS = "methods names none, so that nothing but tables is looked for"
 ORK_NAMES = {  # of object_recognition_core, which are not private
     "~recognized_object_array": "recognized_object_array",
@@ -72,6 +76,7 @@ class ObjectRecognizer:
         self._prefix = read_prefix()
         self._report = RecognitionReport()
         self._markers_of, self._looks, self._straight_looks = ObjectMarkers(), Looks(), Looks()
+        self._numbers = ObjectNumbers()
         self._straight: Optional[StraightImages] = None
         self._node = ImageNode(self._on_image, idle=self._on_idle)
         self._depth = DepthInput(self._node, self._process, WITHOUT_DEPTH)
@@ -116,14 +121,19 @@ class ObjectRecognizer:
         self._depth.offer(frame, frame.image.shape[1::-1])
 
     def _process(self, frame: Frame, depth: Optional[DepthFrame]) -> None:
+        try:
+            with self._calls.processing():
+                self._recognize(frame, depth)
+        finally:
+            self._report.publish()
+
+    def _recognize(self, frame: Frame, depth: Optional[DepthFrame]) -> None:
         taken = time.monotonic()
         settings = self._settings
         camera = self._calibration.camera(frame.image.shape[1::-1], settings.rectified)
         recognizer = self._source.recognizer()
-        self._report.publish()
         if camera is None:
-            self._report.set_frame_problem(self._calibration.problem)
-            self._refuse(frame, self._calibration.problem, NOT_CALIBRATED)
+            self._cannot(frame, self._calibration.problem, NOT_CALIBRATED)
             return
         if depth is None and self._depth.topic:
             lack = self._missing_depth.reason()
@@ -134,29 +144,50 @@ class ObjectRecognizer:
         self._missing_depth.end()
         straight = self._straighten(camera, depth and depth.camera)
         bgr, depths = straight.apply(frame.image, depth and depth.image)
-        on_tables = settings.on_tables and recognizer is not None
-        mask = self._find_tables(depths, straight.camera, frame, on_tables)
+        on_tables = settings.on_tables and recognizer is not None and depths is not None
+        try:
+            mask = self._find_tables(depths, straight.camera, frame, on_tables)
+        except FrameError as error:
+            self._cannot(frame, str(error))
+            return
         if recognizer is None:
             self._report.set_frame({}, 0)
             self._refuse(frame, self._report.problem or WITHOUT_METHODS)
             return
-        found, told = recognizer.recognize(bgr, depths, straight.camera, mask)
-        found = [one for one in found if settings.limits is None or settings.limits.holds(one.pose)]
+        if depths is None and recognizer.needs_depth:
+            self._cannot(frame, NEEDS_DEPTH)
+            return
+        if on_tables and mask is None:
+            return  # The transform that is missing may come before the next image.
+        seen = bgr, depths, straight.camera, mask if on_tables else None
+        found, told = _recognized(recognizer, seen, settings.limits)
         self._report.set_frame(told, len(found))
         looks = [self._looks.of(one, camera, self._shows()) for one in found]
         self._publish(Seen(frame, depths, straight.camera, found, looks, taken))
 
     def _find_tables(
-        self, depths: Optional[np.ndarray], camera: CameraModel, frame: Frame, on_tables: bool
+        self, depths: Optional[np.ndarray], camera: CameraModel, frame: Frame, needed: bool
     ) -> Optional[np.ndarray]:
-        """Publishes the tables; returns where objects may be, if they are to be on tables."""
-        wanted = any(one.get_num_connections() for one in self._tables)
-        if depths is None or not (wanted or on_tables):
+        """Publishes the tables; returns a mask of what stands on them, if that can be known.
+
+        Raises:
+            FrameError: They are needed, and it cannot be known what is up.
+        """
+        if depths is None or not (needed or any(one.get_num_connections() for one in self._tables)):
             return None
-        tables, mask = self._tables_of.find(depths, camera, frame, self._settings)
+        try:
+            seen = self._tables_of.find(depths, camera, frame, self._settings)
+        except FrameError as error:
+            if needed:
+                raise
+            rospy.logwarn_throttle(10.0, f"no tables: {error}")
+            return None
+        if seen is None:
+            return None
+        tables, mask = seen
         for output in self._tables:
             output.publish(tables)
-        return mask if on_tables else None
+        return mask
 
     def _straighten(
         self, camera: CameraModel, depth_camera: Optional[CameraModel]
@@ -187,7 +218,8 @@ class ObjectRecognizer:
         if self._markers.get_num_connections():
             self._markers.publish(self._markers_of.of(header, seen.found))
         if self._settings.publish_tf and self._tf.get_num_connections() and seen.found:
-            self._broadcast(transforms(header, seen.found, self._prefix))
+            numbers = self._numbers.of(seen.found)
+            self._broadcast(transforms(header, seen.found, numbers, self._prefix))
         if self._shows():
             overlay = seen.frame.image.copy()
             draw_objects(overlay, seen.found, seen.looks)
@@ -200,6 +232,11 @@ class ObjectRecognizer:
             topic = self._node.topic
             rospy.logwarn_throttle(60.0, f"no transforms: the images of {topic} have no frame_id")
 
+    def _cannot(self, frame: Frame, reason: str, shown: str = "") -> None:
+        """Tells why nothing can be recognized in a frame."""
+        self._report.set_frame_problem(reason)
+        self._refuse(frame, reason, shown)
+
     def _refuse(self, frame: Frame, reason: str, shown: str = "") -> None:
         """Tells all who wait for a frame why nothing is recognized in it, if there is a reason."""
         if not reason:
@@ -209,6 +246,16 @@ class ObjectRecognizer:
             draw_text(overlay, shown or to_ascii(printable(reason)), (10, 20))
             self._processed.publish(overlay, "bgr8", frame.header)
         self._calls.refuse(reason)
+
+
+def _recognized(
+    recognizer: Recognizer, seen: Tuple[Any, ...], limits: Optional[Limits]
+) -> Tuple[List[Found], Dict[str, str]]:
+    """Returns what was recognized: image, depths, camera and mask are seen."""
+    mask = seen[-1]
+    if mask is None or mask.any():
+        return recognizer.recognize(*seen, limits)
+    return [], dict.fromkeys(recognizer.titles, NOTHING_ON_TABLES)
 
 
 def _names(with_ork: bool) -> Callable[[str], List[str]]:

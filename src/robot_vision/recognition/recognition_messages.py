@@ -11,7 +11,7 @@ from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
 
 from .. import CameraModel, Mesh
-from ..depth.places import frame_ids
+from ..depth.places import label_in_frames
 from ..msg import (
     Detection,
     DetectionArray,
@@ -149,17 +149,23 @@ def _detection(one: Found, look: Look) -> Detection:
     )
 
 
-def frame_names(found: Sequence[Found], prefix: str) -> List[str]:
-    """Returns the names of the transforms of objects: coke_0, coke_1, ..."""
-    labels = [Detection(label=one.object.name, id=-1) for one in found]
-    return frame_ids(labels, prefix)
+def transforms(
+    header: Header, found: Sequence[Found], numbers: Sequence[int], prefix: str
+) -> TFMessage:
+    """Returns the transforms of objects that were found: coke_0, coke_1, ...
 
-
-def transforms(header: Header, found: Sequence[Found], prefix: str) -> TFMessage:
-    """Returns the transforms of objects that were found."""
-    names = frame_names(found, prefix)
+    Args:
+        header: That of the image.
+        found: The objects.
+        numbers: Of each, among those with its label.
+        prefix: Of the names.
+    """
+    names = [prefix + label_in_frames(one.object.name) for one in found]
     return TFMessage(
-        [transform_of(header, name, one.pose) for name, one in zip(names, found) if name]
+        [
+            transform_of(header, f"{name}_{number}", one.pose)
+            for name, number, one in zip(names, numbers, found)
+        ]
     )
 
 

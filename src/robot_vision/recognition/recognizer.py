@@ -17,7 +17,7 @@ from .. import (
     TextureMatchParams,
     VerifierParams,
 )
-from .found import Found, KnownObject
+from .found import Found, KnownObject, Limits
 from .pair_method import PAIRS, pair_matcher
 from .texture_method import TEXTURES, texture_matcher
 from .view_method import VIEWS, view_matcher
@@ -69,12 +69,23 @@ class Recognizer:
         self._frame: Optional[RecognitionFrame] = None
         self._camera: Optional[CameraModel] = None
 
+    @property
+    def titles(self) -> List[str]:
+        """What the objects are called where it is told what became of them."""
+        return self._titles
+
+    @property
+    def needs_depth(self) -> bool:
+        """Whether nothing was learned by which an object is recognized without depth."""
+        return not (self._of_views or self._of_textures)
+
     def recognize(
         self,
         bgr: np.ndarray,
         depth: Optional[np.ndarray],
         camera: CameraModel,
         mask: Optional[np.ndarray] = None,
+        limits: Optional[Limits] = None,
     ) -> Tuple[List[Found], Dict[str, str]]:
         """Returns the objects in an image, and what became of each, by title.
 
@@ -83,6 +94,7 @@ class Recognizer:
             depth: (height, width), uint16 in mm or float32 in m, of its pixels; or None.
             camera: The camera, without distortion.
             mask: (height, width) uint8, not 0 where objects may be; None: everywhere.
+            limits: Where their origins may be; None: anywhere.
         """
         if camera is not self._camera:
             self._frame, self._camera = RecognitionFrame(camera), camera
@@ -108,7 +120,17 @@ class Recognizer:
             for one in made.objects
         ]
         told = {self._titles[one.model]: _told(one) for one in made.reports}
-        return found + self._unverified(textured, told), told
+        found += self._unverified(textured, told)
+        return found if limits is None else self._within(limits, found, told), told
+
+    def _within(self, limits: Limits, found: List[Found], told: Dict[str, str]) -> List[Found]:
+        """Returns what is within limits, and tells of what is not."""
+        within = [one for one in found if limits.holds(one.pose)]
+        for title, known in zip(self._titles, self._objects):
+            all_of, left = (sum(one.object is known for one in some) for some in (found, within))
+            if left < all_of:
+                told[title] += f", {all_of - left} outside of the crop"
+        return within
 
     def _textured(self, *seen: Any) -> List[Tuple[int, Any]]:
         """Returns what was found by its texture, each with the index of the object."""

@@ -16,6 +16,7 @@ class _Call(NamedTuple):
     """A call that waits."""
 
     came: float  # s of the monotonic clock
+    busy: float  # s in which frames were processed until then
     result: futures.Future
 
 
@@ -33,6 +34,8 @@ class FrameCalls:
         self._later_calls: List[_Call] = []  # that get the one after it
         self._working = 0  # number of calls for which the node has to work
         self._last_frame = -FRAME_PERIOD  # s of the monotonic clock
+        self._began: Optional[float] = None  # the same, of the frame that is processed
+        self._busy = 0.0  # s in which frames before it were processed
 
     @property
     def waiting(self) -> bool:
@@ -68,18 +71,29 @@ class FrameCalls:
         finally:
             self._count(-1)
 
+    @contextlib.contextmanager
+    def processing(self) -> Iterator[None]:
+        """Has calls wait while a frame is processed, however long that takes."""
+        with self._lock:
+            self._began = time.monotonic()
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._busy, self._began = self._busy_until_now(), None
+
     def wait(self, timeout: float, given_up: Callable[[], bool] = lambda: False) -> Any:
         """Waits for the next frame, and returns what is made of it; raises what that raises.
 
         Args:
-            timeout: s that it waits at most.
+            timeout: s that it waits at most, without those in which a frame was processed.
             given_up: A function that is asked now and then whether to wait no longer.
 
         Raises:
             RuntimeError: There was no frame, or `given_up` returned a true value.
         """
         with self._lock:
-            call = _Call(time.monotonic(), futures.Future())
+            call = _Call(time.monotonic(), self._busy_until_now(), futures.Future())
             # A frame that was taken before the call may be on its way.
             on_its_way = call.came - self._last_frame < FRAME_PERIOD
             (self._later_calls if on_its_way else self._calls).append(call)
@@ -87,7 +101,7 @@ class FrameCalls:
             while not futures.wait([call.result], POLL_PERIOD).done:
                 if given_up():
                     raise RuntimeError("the call was ended")
-                if time.monotonic() > call.came + timeout:
+                if self._waited(call) > timeout:
                     raise RuntimeError(self._node.no_frame(timeout))
             return call.result.result()
         finally:
@@ -95,6 +109,14 @@ class FrameCalls:
                 for calls in (self._calls, self._later_calls):
                     if call in calls:
                         calls.remove(call)
+
+    def _waited(self, call: _Call) -> float:
+        """Returns for how many s a call has waited while no frame was processed."""
+        with self._lock:
+            return time.monotonic() - call.came - (self._busy_until_now() - call.busy)
+
+    def _busy_until_now(self) -> float:
+        return self._busy + (0.0 if self._began is None else time.monotonic() - self._began)
 
     def _take(self, taken: Optional[float] = None) -> List[futures.Future]:
         """Returns the calls that get the frame that was taken at that time, by default now."""
