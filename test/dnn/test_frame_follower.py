@@ -10,13 +10,35 @@ import rospy
 from std_msgs.msg import Header
 
 import robot_vision as rv
-from robot_vision.dnn.frame_follower import FrameFollower
+from robot_vision.dnn.frame_follower import FrameFollower, Pace
 from robot_vision.ros.transport import Frame
 
 RATE = 30.0  # Hz
 SPEED = 60.0  # px/s, to the right
 TIMEOUT = 30.0  # s, for what another thread does at once
 NOISE = np.random.default_rng(5).integers(0, 256, (120, 160, 3)).astype(np.uint8)
+
+
+@pytest.mark.parametrize("rate", [30.0, 20.0, 15.0, 10.0, 0.7])
+def test_as_many_frames_are_looked_at_as_the_rate_allows(rate):
+    """Also of a camera whose frames do not come at equal times."""
+    random, pace = np.random.default_rng(3), Pace()
+    pace.period = 1.0 / rate
+    times = 1e9 + np.arange(1800) / RATE + random.normal(0.0, 0.001, 1800)
+    seen = np.array([time for time in times if pace.is_due(time)])
+    assert len(seen) == pytest.approx(rate * 60.0, abs=2)
+    for count in (2, 10):  # in no time more than one too many
+        assert (
+            len(seen) <= count
+            or (seen[count:] - seen[:-count] > (count - 1) * pace.period - 1e-6).all()
+        )
+
+
+def test_what_is_wanted_or_of_an_earlier_time_is_looked_at():
+    pace = Pace()
+    pace.period = 1.0
+    times = (10.0, False), (10.4, True), (10.5, False), (11.5, False), (2.0, False), (2.5, False)
+    assert [pace.is_due(*one) for one in times] == [True, True, False, True, True, False]
 
 
 def frame_of(number):
@@ -151,7 +173,7 @@ def test_the_network_looks_at_the_newest_frame(rig):
 
 
 def test_it_looks_no_more_often_than_it_shall(rig):
-    rig = rig(period=0.19)
+    rig = rig(period=0.2 - 1e-6)
     asked = []
     for number in range(31):
         rig.offer(number)

@@ -68,3 +68,43 @@ def test_what_fails_because_the_node_ends_is_not_logged(report, logged, monkeypa
     monkeypatch.setattr(rospy.core, "is_shutdown_requested", lambda: True)
     report.add_failure(rospy.ROSException("publish() to a closed topic"))
     assert logged == []
+
+
+class Clock:
+    """Takes the place of the module time."""
+
+    now = 1000.0  # s
+
+    def monotonic(self):
+        return self.now
+
+
+def test_a_run_that_does_not_end_is_told(report, monkeypatch):
+    clock = Clock()
+    monkeypatch.setattr(network_report, "time", clock)
+    report.add_run(0.2)
+    with report.running():
+        clock.now += 4.0
+        assert status_of(report)[:2] == (DiagnosticStatus.OK, "200.0 ms for a frame")
+        clock.now += 2.0
+        assert status_of(report)[:2] == (DiagnosticStatus.WARN, "a frame takes 6 s already")
+    assert status_of(report)[:2] == (DiagnosticStatus.OK, "200.0 ms for a frame")
+
+
+def test_a_network_that_is_always_slow_is_not_slower_than_it_is(report, monkeypatch):
+    clock = Clock()
+    monkeypatch.setattr(network_report, "time", clock)
+    report.add_run(2.0)
+    with report.running():
+        clock.now += 19.0
+        assert status_of(report)[0] == DiagnosticStatus.OK
+        clock.now += 2.0
+        assert status_of(report)[0] == DiagnosticStatus.WARN
+
+
+def test_runs_that_are_longer_than_things_are_remembered_are_told(report):
+    report.add_run(3.25)
+    assert status_of(report)[0] == DiagnosticStatus.OK
+    report.max_age = 3.0
+    said = "nothing can be followed: a frame takes 3.2 s, and max_age is 3"
+    assert status_of(report)[:2] == (DiagnosticStatus.WARN, said)

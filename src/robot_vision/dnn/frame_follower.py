@@ -16,12 +16,12 @@ class Pace:
     """Tells which frames are looked at, so that there are not too many.
 
     Attributes:
-        period: s from one to the next, at least.
+        period: s from one to the next, on average at least.
     """
 
     def __init__(self) -> None:
         self.period = 0.0
-        self._last: Optional[float] = None  # s, the time of the newest that was looked at
+        self._last: Optional[float] = None  # s, when the newest that was looked at was due
 
     def is_due(self, now: float, wanted: bool = False) -> bool:
         """Returns whether the frame of this time is looked at; time may go back.
@@ -30,11 +30,17 @@ class Pace:
             now: The time, s.
             wanted: Whether it is looked at however short the time since the last one is.
         """
-        early = self._last is not None and 0.0 <= now - self._last < self.period
-        if early and not wanted:
-            return False
-        self._last = now
-        return True
+        if self._last is None or now < self._last:
+            self._last = now
+            return True
+        if now - self._last >= self.period:
+            # What one is late by, the next one may be earlier by: frames seldom come when they are
+            # due, and of a camera at this very rate some would be left out each time.
+            self._last = max(self._last + self.period, now - self.period)
+            return True
+        if wanted:
+            self._last = now
+        return wanted
 
 
 class _Job(NamedTuple):

@@ -1,8 +1,10 @@
 """What object_detector says of its network: on /diagnostics, and in the log if it fails."""
 
+import contextlib
+import math
 import threading
 import time
-from typing import Dict, Mapping, Optional
+from typing import Dict, Iterator, Mapping, Optional
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -13,6 +15,8 @@ from ..ros.context import current
 from ..ros.status_topic import Status, StatusTopic
 from .network import Network
 
+SLOW = 5.0  # s after which a run is said to take long, if it is no network that always does
+TIMES_SLOW = 10.0  # of the mean time of a run, for the same
 SMOOTHING = 0.1  # share of the newest run in the mean time
 RECENT = 5.0  # s for which a failure counts even if the next run succeeds
 MAX_ERROR_LENGTH = 300  # characters
@@ -35,20 +39,36 @@ class NetworkReport:
     Args:
         facts: What does not change, by name.
 
+    Attributes:
+        max_age: s for which things are remembered that no run has found; inf: none are followed.
+
     Raises:
         ValueError: ~diagnostic_period is out of range.
     """
 
     def __init__(self, facts: Mapping[str, str]):
+        self.max_age = math.inf
         self._facts = dict(facts)
         self._lock = threading.Lock()  # guards all below
         self._status = StatusTopic("network")
         self._throttle = Throttle()
+        self._began: Optional[float] = None  # s of the monotonic clock, the run that has not ended
         self._runs, self._failures = 0, 0
         self._mean: Optional[float] = None  # s that a run takes
         self._last_failure = float("-inf")  # s of the monotonic clock
         self._fails = False  # whether the newest run has failed
         self._last_error = ""
+
+    @contextlib.contextmanager
+    def running(self) -> Iterator[None]:
+        """Knows that the network runs meanwhile."""
+        with self._lock:
+            self._began = time.monotonic()
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._began = None
 
     def add_run(self, seconds: float) -> None:
         """Adds a run of the network on an image, and what is done before and after it."""
@@ -84,6 +104,15 @@ class NetworkReport:
             values["time of a frame (ms)"] = f"{1e3 * self._mean:.1f}"
         if self._fails or time.monotonic() - self._last_failure < RECENT:
             return DiagnosticStatus.ERROR, f"the network has failed: {self._last_error}", values
+        taken = 0.0 if self._began is None else time.monotonic() - self._began
+        if taken > max(SLOW, TIMES_SLOW * (self._mean or 0.0)):
+            return DiagnosticStatus.WARN, f"a frame takes {taken:.0f} s already", values
+        if self._mean is not None and self._mean >= self.max_age:
+            return DiagnosticStatus.WARN, self._too_slow(), values
         if self._mean is None:
             return DiagnosticStatus.OK, "the network has not looked at a frame yet", values
         return DiagnosticStatus.OK, f"{1e3 * self._mean:.1f} ms for a frame", values
+
+    def _too_slow(self) -> str:
+        times = f"a frame takes {self._mean:.1f} s, and max_age is {self.max_age:g}"
+        return f"nothing can be followed: {times}"

@@ -1,6 +1,7 @@
 """The node object_detector, which finds things by a neural network and follows them."""
 
 import functools
+import math
 import threading
 import time
 from typing import Any, Dict, List, NoReturn, Sequence
@@ -67,6 +68,7 @@ class ObjectDetector:
         self._detector.configure(settings.detection)
         self._follower.configure(settings.tracker, settings.period, settings.tracker_score)
         self._pace.period = settings.period
+        self._report.max_age = settings.tracker.max_age if settings.track else math.inf
         self._settings = settings
         if not settings.track:
             self._follower.clear()
@@ -98,7 +100,8 @@ class ObjectDetector:
         """Returns what the network finds in a frame, and publishes it."""
         begin = time.monotonic()
         try:
-            found = self._find(frame.image)
+            with self._report.running():
+                found = self._find(frame.image)
         except Exception as error:  # Of any kind, as the runtimes raise what they like.
             self._calls.offer(functools.partial(_raise, error), begin)
             raise
