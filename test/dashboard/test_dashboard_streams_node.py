@@ -391,6 +391,18 @@ def test_what_a_client_does_wrong_is_told_and_the_connection_stays(client, topic
         assert told["level"] == 1 and words in told["message"]
 
 
+def test_a_channel_that_is_gone_leaves_the_others(client, topic):
+    good = {"id": 7, "channelId": client.channel(topic.name)["id"]}
+    client.send({"op": "subscribe", "subscriptions": [{"id": 1, "channelId": 99999}, good]})
+    assert "no channel 99999" in client.wait_for("status")["message"]
+    topic.send(stamped(smooth(24, 32), "bgr8", 3))
+    assert client.data()[0] == 7
+    client.send({"op": "unsubscribe", "subscriptionIds": [1, 7]})
+    assert "no subscription 1" in client.wait_for("status")["message"]
+    client.send({"op": "unsubscribe", "subscriptionIds": [7]})
+    assert "no subscription 7" in client.wait_for("status")["message"]
+
+
 def test_images_do_not_hold_up_small_topics_nor_wait_in_a_queue(client, topic):
     name = new_topic()
     text = Topic(name, String, queue_size=30)  # for all of them
@@ -425,6 +437,15 @@ def test_images_do_not_hold_up_small_topics_nor_wait_in_a_queue(client, topic):
 def test_foxglove_is_for_those_who_may(dashboard, options):
     with pytest.raises(HTTPClientError, match="403"):
         Client(dashboard.host, **options)
+
+
+def test_programs_whose_page_is_a_file_need_the_token(dashboard, start):
+    client = Client(dashboard.host, origin="file://")
+    assert client.wait_for("serverInfo")["name"] == "/dashboard"
+    client.close()
+    open_for_all = Dashboard(start, "__name:=open", "_foxglove:=true", "_token:=none")
+    with pytest.raises(HTTPClientError, match="403"):
+        Client(open_for_all.host, token="", origin="file://")
 
 
 def test_another_subprotocol_is_refused(dashboard):

@@ -132,11 +132,18 @@ def test_choices_are_read_from_the_edit_method():
         "[1, 2]",
         "(" * 10000,
         "{'enum': [" + "1," * 200000,
+        "{'enum': [" + "1+" * 30000 + "1]}",
         "\0",
     ],
 )
 def test_edit_methods_that_are_no_menus_are_left_out(edit):
     assert choices_of(edit, "str") == []
+
+
+def test_menus_are_too_short_to_exhaust_the_stack_of_a_parser():
+    entries = "{'name': 'a', 'value': 'a'}," * 400
+    assert len(choices_of(f"{{'enum': [{entries}]}}", "str")) == 400
+    assert choices_of(f"{{'enum': [{entries}]}}" + " " * 65536, "str") == []
 
 
 def test_edit_methods_are_never_evaluated(tmp_path):

@@ -1,7 +1,7 @@
 """A client of Foxglove's protocol: what it has subscribed to, and what it is sent."""
 
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, Dict, List, Optional, Union
+from typing import Any, Callable, Dict, List, Optional, Union
 
 import rospy
 from tornado.ioloop import IOLoop
@@ -14,6 +14,7 @@ from .foxglove_topics import ForwardedTopic
 from .handlers import GuardedSocket, Refused
 from .web_video_viewer import limit_unsent
 
+FILE_ORIGIN = "file://"  # of the pages of programs that are no browsers
 PROTOCOL_ERROR = 1002  # code of the end of a WebSocket
 MAX_TEXTS = 1000  # that wait for a client that does not read
 
@@ -37,6 +38,8 @@ class FoxgloveSocket(GuardedSocket):
         super().prepare()
         origin = self.request.headers.get("Origin", "")
         own = not origin or self.access.origin_allowed(self.request)
+        if origin == FILE_ORIGIN:  # Without a token any file that a browser opens could read.
+            own = bool(self.access.token)
         if not own and origin.lower() not in self._feature.origins:
             raise Refused(
                 403,
@@ -81,12 +84,20 @@ class FoxgloveSocket(GuardedSocket):
             if isinstance(message, bytes):
                 raise ValueError("this server takes no messages: it can only be read")
             request = protocol.parse_client_text(message)
-            if isinstance(request, protocol.Subscribe):
-                for number, channel in request.pairs:
-                    self._subscribe(number, channel)
-            else:
-                for number in request.ids:
-                    self._unsubscribe(number)
+        except ValueError as error:
+            self._warn(str(error))
+            return
+        # What one of them asks for in vain, as a channel that has just gone, leaves the others.
+        if isinstance(request, protocol.Subscribe):
+            for number, channel in request.pairs:
+                self._try(self._subscribe, number, channel)
+        else:
+            for number in request.ids:
+                self._try(self._unsubscribe, number)
+
+    def _try(self, work: Callable[..., None], *numbers: int) -> None:
+        try:
+            work(*numbers)
         except ValueError as error:
             self._warn(str(error))
 
@@ -122,9 +133,15 @@ class FoxgloveSocket(GuardedSocket):
         self._queue.put(number, protocol.message_data(number, time_ns), data)
         self._loop.add_callback(self._start)
 
-    def failed(self, number: int, text: str) -> None:
-        """Takes note that a topic could not be subscribed to. Thread-safe."""
-        self._loop.add_callback(self._warn, text)
+    def failed(self, one: "_Subscription", text: str) -> None:
+        """Ends a subscription that could not begin, so that it can be tried again. Thread-safe."""
+
+        def drop() -> None:
+            if self._subscriptions.get(one.number) is one:
+                self._unsubscribe(one.number)
+            self._warn(text)
+
+        self._loop.add_callback(drop)
 
     def _warn(self, text: str) -> None:
         self._say(protocol.status(protocol.WARNING, text))
@@ -160,9 +177,8 @@ class _Subscription:
     """What a client has subscribed to; begin and end are called in its worker thread."""
 
     def __init__(self, client: FoxgloveSocket, number: int, channel: protocol.TopicChannel):
-        self.channel = channel
+        self.number, self.channel = number, channel
         self._client = client
-        self._number = number
         self._topics = client._feature.topics
         self._topic: Optional[ForwardedTopic] = None
 
@@ -171,7 +187,7 @@ class _Subscription:
             self._topic = self._topics.take(self.channel.topic)
             self._topic.add(self.channel, self._take)
         except (OSError, ValueError) as error:
-            self._client.failed(self._number, f"{self.channel.topic}: {error_text(error)}")
+            self._client.failed(self, f"{self.channel.topic}: {error_text(error)}")
 
     def end(self) -> None:
         if self._topic is not None:
@@ -179,4 +195,4 @@ class _Subscription:
             self._topics.give_back(self.channel.topic)
 
     def _take(self, time_ns: int, data: bytes) -> None:
-        self._client.forward(self._number, time_ns, data)
+        self._client.forward(self.number, time_ns, data)

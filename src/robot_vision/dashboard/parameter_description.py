@@ -13,7 +13,8 @@ from ..common.plain_text import printable
 MAX_PARAMETERS = 2000  # of a node
 MAX_GROUPS = 200
 MAX_CHOICES = 500  # of a parameter
-MAX_EDIT_METHOD = 1 << 18  # characters
+# Characters. Python 3.8 makes objects of a sum by recursion: one of 100,000 terms ends the process.
+MAX_EDIT_METHOD = 1 << 16
 MAX_DESCRIPTION = 1000  # characters
 MAX_NAME = 255  # characters
 MAX_UNIT = 20  # characters; what is longer in parentheses is no unit
