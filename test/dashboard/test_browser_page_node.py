@@ -289,6 +289,25 @@ OVERLAYS = [
     (f"chooseOverlays(['/a/detections'], {DETECTIONS}).length", 1),
     ("chooseOverlays(['/a/detections'], () => 'std_msgs/String').length", 0),
 ]
+FACES = "{type: 'robot_vision/DetectionArray', data: {detections: [%s]}}"
+NAMES = (
+    "drawIdentities({label: (text, {x}) => (told = [...(told || []), [text, x]])}, {identities: ["
+    "{id: %d, name: 'Ada', known: true, distance: 0.25}]}, [" + FACES + "]) || told"
+)
+FACE_4 = "{id: 4, box: {x_offset: 40, y_offset: 0}}"
+FACE_7 = "{id: 7, box: {x_offset: 70, y_offset: 0}}"
+IDENTITIES = [  # a name is never that of another face
+    (NAMES % (7, f"{FACE_4}, {FACE_7}"), [["Ada  0.25", 70]]),
+    (NAMES % (3, f"{FACE_4}, {FACE_7}"), None),
+    (NAMES % (-1, f"{FACE_4}, {FACE_7}"), [["Ada  0.25", 40]]),
+    (NAMES % (-1, ""), None),
+]
+STAMPED = (
+    "Streams.prototype.openMessages.call({messages: new Map(), app: {connection: {channel:"
+    " (kind, fields, receive) => setTimeout(() => receive({header: {stamp: %s}}, {stamp: 7.5}))}}},"
+    " '/x', (stamp) => (told = stamp)) && new Promise((done) => setTimeout(() => done(told)))"
+)
+STAMPS = [(STAMPED % "7.5", 7.5), (STAMPED % "0", 7.5)]  # of cameras that give none as well
 WATCHED = "[{name: '/t', publishers: ['/a'], subscribers: ['/me']}]"
 GRAPH = [
     (f"shownTopics({WATCHED}, false, '/me').length", 0),
@@ -313,6 +332,8 @@ PARTS = {
     "layout": LAYOUT,
     "color_spaces": COLORS,
     "overlay": OVERLAYS,
+    "overlay_detections": IDENTITIES,
+    "streams": STAMPS,
     "graph_layout": GRAPH,
 }
 
@@ -354,8 +375,13 @@ def test_images_come_back_when_the_master_was_restarted(page, start, tmp_path):
     page.open(mine.address)
     tile = "robotVision.tiles.list().find((one) => one.node === '/room')"
     page.wait(f"{OPEN} && {tile}?.size[0]")
+    bar = "document.getElementById('bar')"
+    assert page.value(f"{bar}.hidden")
     master.end()
+    page.wait(f"!{bar}.hidden && {bar}.innerText.includes('does not answer')")
+    assert "Try now" not in page.value(f"{bar}.innerText")
     master.begin()
+    page.wait(f"{bar}.hidden")
     support.wait_for(
         lambda: any(topic == "/room/image_raw" for topic, _ in master.api.getPublishedTopics("/")),
         "the camera",

@@ -110,17 +110,24 @@ def open_tool(page, name):
 
 
 class Tracker:
-    """Plays an hsv_tracker with the colour red."""
+    """Plays an hsv_tracker with the colour red, or two of them.
 
-    def __init__(self, play):
-        self.values = {**HSV, "space": "hsv", "color": "red"}
+    Attributes:
+        all_values: The values of each, by its name.
+        values: Those of the first one.
+    """
+
+    def __init__(self, play, *others):
+        names = NODE, *others
+        self.all_values = {name: {**HSV, "space": "hsv", "color": "red"} for name in names}
+        self.values = self.all_values[NODE]
         self.fails = False
-        view = {"node": NODE, "title": "hsv_tracker", "image": EYE, "overlays": ["/x"]}
+        view = {"title": "hsv_tracker", "image": EYE, "overlays": ["/x"], "processed": ""}
         self.played = play(
-            [node(NODE, publishes=[f"{NODE}/mask"], parameters=True)],
-            [{**view, "processed": ""}],
+            [node(name, publishes=[f"{name}/mask"], parameters=True) for name in names],
+            [{**view, "node": name} for name in names],
             color_names=lambda *_: {"names": ["red", "blue"], "shown": self.values["color"]},
-            parameters=lambda *_: {"values": self.values},
+            parameters=lambda _, fields: {"values": self.all_values[fields["node"]]},
             set_parameters=self._set,
             use_color=self._use,
             messages=lambda *_: {},
@@ -130,13 +137,15 @@ class Tracker:
     def _use(self, _session, fields):
         low, high = fields["low"], fields["high"]
         names = ("h_low", "s_low", "v_low", "h_high", "s_high", "v_high")
-        return self._set(_session, {"values": dict(zip(names, [*low, *high]))})
+        values = dict(zip(names, [*low, *high]))
+        return self._set(_session, {"node": fields["node"], "values": values})
 
     def _set(self, _session, fields):
         if self.fails:
             raise OSError("/hsv_tracker/set_parameters has not answered within 5 s")
-        self.values.update(fields["values"])
-        return {"values": self.values, "refused": {}}
+        values = self.all_values[fields["node"]]
+        values.update(fields["values"])
+        return {"values": values, "refused": {}}
 
 
 LIMIT = "document.querySelector('[data-test=range-1-low]')?.getAttribute('aria-valuenow')"
@@ -171,6 +180,33 @@ def test_a_limit_that_was_not_taken_is_not_shown(page, play):
     tracker.fails = False
     raise_limit(page)
     support.wait_for(lambda: tracker.values["s_low"] == 51, "the limit")
+
+
+def test_the_answer_of_one_tracker_is_not_that_of_another(page, play):
+    """Neither what it says late, nor what was to be set meanwhile."""
+    tracker, answered = Tracker(play, "/other"), threading.Event()
+    tracker.all_values["/other"]["s_low"] = 90
+    use, set_values = (tracker.played.answers[name] for name in ("use_color", "set_parameters"))
+
+    def late(session, fields):
+        answered.wait(support.DEADLINE)
+        return use(session, fields)
+
+    tracker.played.answers.update(use_color=late, set_parameters=set_values)
+    open_tool(page, "color")
+    page.wait(f"{LIMIT} === '50'")
+    raise_limit(page)
+    support.wait_for(lambda: tracker.played.count("use_color") == 1, "the first limit")
+    raise_limit(page)
+    page.fill('[data-test="color-node"]', "/other")
+    page.wait(f"{LIMIT} === '90'")
+    answered.set()
+    page.fill('[data-test="color-name"]', "blue")
+    support.wait_for(lambda: tracker.played.count("set_parameters") == 1, "the next request")
+    support.wait_for(lambda: tracker.values["s_low"] == 51, "the first tracker's limit")
+    assert page.value(LIMIT) == "90"
+    assert tracker.all_values["/other"]["s_low"] == 90
+    assert tracker.played.count("use_color") == 1
 
 
 def test_enrolling_leaves_no_parameters_open(page, play):
@@ -235,6 +271,29 @@ def test_escape_ends_a_drag_without_effect(page, follower):
     page.wait_for_text("followed", '[data-test="select-answer"]')
     (asked,) = [fields for name, fields in follower.asked if name == "select_object"]
     assert asked["region"]["x"] == 16 and follower.count("select_object") == 1
+
+
+def test_a_drag_ends_though_its_node_goes_meanwhile(page, follower):
+    left, top, width, height = page.box(f'{FOLLOWER} [data-test="image"]')
+    begin, end = ((left + part * width, top + part * height) for part in (0.1, 0.3))
+    services = "robotVision.graph.nodes[0].services.length"
+    is_dragged = "robotVision.tiles.list()[0].view.layers.has('drag')"
+
+    def offer(*names):
+        follower.graph["nodes"][0]["services"] = names
+        follower.sessions[-1].push("graph", follower.graph)
+        page.wait(f"{services} === arguments[0]", len(names))
+
+    known = follower.graph["nodes"][0]["services"]
+    page._mouse("begin", *begin)
+    page._mouse("move", *end)
+    assert page.value(is_dragged)
+    offer()
+    page._mouse("end", *end)
+    offer(*known)
+    assert not page.value(is_dragged) and follower.count("select_object") == 0
+    page.drag([begin, end, end])
+    page.wait_for_text("followed", '[data-test="select-answer"]')
 
 
 def parameter(name, value, **more):

@@ -103,7 +103,7 @@ class ColorPanel {
   async _choose(node) {
     this.left = this.node;
     this.node = node;
-    this.range = this.said = null;
+    this.range = this.said = this.waiting = null; // what waits is of the tracker before
     this._leave();
     this.mask = node ? liveMask(this.app, node) : null;
     if (node) await this._load(true);
@@ -149,9 +149,10 @@ class ColorPanel {
 
   async _set(values, anew = false) {
     if (!this.node) return;
+    const { node } = this;
     await this._try(async () => {
-      const fields = { node: this.node, values };
-      const answer = await this.app.connection.request("set_parameters", fields);
+      const answer = await this.app.connection.request("set_parameters", { node, values });
+      if (node !== this.node) return; // Another one was chosen, which has other values.
       this._refused(answer);
       this._take(answer.values, anew);
     }, () => this._restore());
@@ -199,6 +200,7 @@ class ColorPanel {
   }
 
   async _tell() {
+    if (!this.waiting) return;
     const { space, low, high } = this.waiting;
     this.waiting = null;
     const name = this.view.chosenName();
@@ -207,10 +209,12 @@ class ColorPanel {
       return;
     }
     this.busy = true;
+    const { node } = this;
     await this._try(async () => {
       this.picked = null;
-      const fields = { node: this.node, name, space, low, high };
+      const fields = { node, name, space, low, high };
       const answer = await this.app.connection.request("use_color", fields);
+      if (node !== this.node) return;
       this._refused(answer);
       if (this.waiting) return;
       this._take(answer.values, false);

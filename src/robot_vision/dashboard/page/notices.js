@@ -46,24 +46,27 @@ async function reason() {
 }
 
 /**
- * Shows the bar while there is no connection.
+ * Shows the bar while there is no connection, or the dashboard has none to the master.
  * @param {any} app
  */
 export function watchConnection(app) {
   const bar = document.getElementById("bar");
   const text = el("span", { class: "grow" });
   const wait = el("span", { class: "mono" });
-  bar.append(
-    text,
-    wait,
-    el("button", { class: "button small", onclick: () => app.connection.retry() }, "Try now"),
-  );
+  const retry = () => app.connection.retry();
+  const button = el("button", { class: "button small", onclick: retry }, "Try now");
+  bar.append(text, wait, button);
+  app.on("graph", ({ problem }) => {
+    bar.hidden = !problem;
+    wait.hidden = button.hidden = true;
+    setText(text, problem);
+  });
   app.connection.on("state", async (state) => {
     document.body.dataset.state = state;
     if (state === "open") bar.hidden = true;
     if (state !== "closed") return;
-    if (bar.hidden) setText(text, "The connection to the dashboard is lost.");
-    bar.hidden = false;
+    if (bar.hidden || button.hidden) setText(text, "The connection to the dashboard is lost.");
+    bar.hidden = wait.hidden = button.hidden = false;
     const found = await reason();
     if (app.connection.state !== "open") setText(text, found);
   });

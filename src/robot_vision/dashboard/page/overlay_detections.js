@@ -101,12 +101,12 @@ export function drawDetections(pen, { detections }, all) {
   }
 }
 
-/** Names of faces, at the boxes of the detections with their ids, or else in their order. */
+/** Names of faces: at the detections with their ids, or in their order if they have none. */
 export function drawIdentities(pen, { identities }, all) {
   const found = all.find(({ type }) => type === "robot_vision/DetectionArray");
   identities.forEach((identity, index) => {
     const faces = found?.data.detections || [];
-    const face = faces.find(({ id }) => id >= 0 && id === identity.id) || faces[index];
+    const face = identity.id < 0 ? faces[index] : faces.find(({ id }) => id === identity.id);
     if (!face) return;
     const text = identity.known ? `${identity.name}  ${number(identity.distance, 2)}` : "unknown";
     pen.label(

@@ -100,8 +100,8 @@ class MessageStream {
     this.buffer = new StampBuffer();
     /** @type {Set<(stamp: number) => void>} */
     this.listeners = new Set();
-    this.close = app.connection.channel("messages", { topic, rate: 0 }, (data, header) => {
-      const stamp = data?.header?.stamp ?? header.stamp;
+    // The channel's stamp is that of the message, or when it came if it has none.
+    this.close = app.connection.channel("messages", { topic, rate: 0 }, (data, { stamp }) => {
       this.buffer.add(stamp, data);
       for (const listener of this.listeners) listener(stamp);
     });

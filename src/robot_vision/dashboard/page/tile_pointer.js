@@ -59,8 +59,14 @@ export class TilePointer {
     if (!this.tiles.tool && event.pointerType === "touch" && !this.tile.enlarged) return;
     event.preventDefault();
     this.tile.view.element.setPointerCapture(event.pointerId);
-    this.start = { image: this.point(event), x: event.clientX, y: event.clientY };
+    const { pointerId: pointer, clientX: x, clientY: y } = event;
+    this.start = { image: this.point(event), pointer, x, y };
     document.addEventListener("keydown", this.escape, true); // before it is for anything else
+  }
+
+  /** Whether it is of the finger, or the mouse, that has begun. @param {PointerEvent} event */
+  isOurs(event) {
+    return this.start?.pointer === event.pointerId;
   }
 
   /** @param {PointerEvent} event */
@@ -69,7 +75,7 @@ export class TilePointer {
   }
 
   move(event) {
-    if (!this.start || !this.tool()?.onDrag || !this.isDrag(event)) return;
+    if (!this.isOurs(event) || !this.tool()?.onDrag || !this.isDrag(event)) return;
     const region = regionBetween(this.start.image, this.point(event), this.tile.view.size);
     this.tile.view.layers.set("drag", (context, scale) => drawBand(context, scale, region));
     this.tile.view.redraw();
@@ -78,10 +84,11 @@ export class TilePointer {
   async up(event) {
     const tool = this.tool();
     const { start, tile } = this;
-    if (!start || !tool) return;
+    if (!this.isOurs(event)) return;
     const drag = this.isDrag(event);
     const end = this.point(event);
     this.end();
+    if (!tool) return; // Its node has gone meanwhile.
     try {
       if (drag) await tool.onDrag?.(tile, regionBetween(start.image, end, tile.view.size));
       else await tool.onClick?.(tile, pixelAt(end, tile.view.size));
