@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 #include <image_transport/image_transport.h>
+#include <robot_vision/ShmImage.h>
 #include <ros/ros.h>
 #include <sensor_msgs/CompressedImage.h>
 #include <sys/mman.h>
@@ -8,6 +9,7 @@
 #include <atomic>
 #include <future>
 #include <opencv2/imgcodecs.hpp>
+#include <set>
 #include <thread>
 
 #include "robot_vision/image/jpeg.hpp"
@@ -187,6 +189,23 @@ TEST_F(Outputs, makeEqualOutputsOnce)
   publish(frameOf(jpeg));
   EXPECT_TRUE(waitFor([&] { return raw.last() == mono.last(); }));
   EXPECT_TRUE(equal(viewPixels(*mono.last()), cv::imdecode(jpeg, cv::IMREAD_GRAYSCALE)));
+}
+
+TEST_F(Outputs, keepTheMemoryThatTheyShareWhileGrayIsPublishedToo)
+{
+  make();
+  Receiver<robot_vision::ShmImage> shared("image_raw/shm");
+  Receiver<sensor_msgs::Image> mono("image_mono");
+  std::set<std::uint64_t> memory;
+  std::uint32_t sent = 0;
+  const auto sends = [&]
+  {
+    outputs_->publish(frameOf(noise({320, 240}, CV_8UC3), "bgr8"), ros::Time(++sent));
+    if (const auto message = shared.last()) memory.insert(message->memory);
+    return mono.last() && shared.last() && shared.last()->header.stamp.sec >= 30;
+  };
+  ASSERT_TRUE(waitFor(sends));
+  EXPECT_LE(memory.size(), 4U);
 }
 
 TEST_F(Outputs, tellTheSizeWithoutReadingPixels)

@@ -11,12 +11,13 @@ try
 {
   sensor_msgs::ImageConstPtr& made = images_[encoding];
   if (made) return made;
-  const sensor_msgs::ImagePtr image = makers_.of(encoding).make(
-      [&](cv::Mat& pixels)
-      {
-        toEncoding(frame_.pixels, frame_.encoding, encoding, pixels);
-        return encoding;
-      });
+  const sensor_msgs::ImagePtr image = makers_.of(encoding, encoding == raw_encoding_)
+                                          .make(
+                                              [&](cv::Mat& pixels)
+                                              {
+                                                toEncoding(frame_.pixels, frame_.encoding, encoding, pixels);
+                                                return encoding;
+                                              });
   image->header = header_;
   size_ = {static_cast<int>(image->width), static_cast<int>(image->height)};
   return made = image;

@@ -4,6 +4,7 @@
 #include <sensor_msgs/Image.h>
 #include <std_msgs/Header.h>
 
+#include <cstddef>
 #include <exception>
 #include <map>
 #include <memory>
@@ -22,22 +23,30 @@ namespace robot_vision
 class ImageMakers
 {
 public:
-  /// Adds a topic on which the images are going to be published, see ImagePool.
-  void addTopic(std::shared_ptr<SharedTopic> topic) { topics_.push_back(std::move(topic)); }
+  /// Adds a topic on which images of an encoding are going to be published, that of image_raw by default, see
+  /// ImagePool. Images of others stay out of its memory, which is for images of one size.
+  void addTopic(std::shared_ptr<SharedTopic> topic, const std::string& encoding = "")
+  {
+    topics_.push_back(std::move(topic));
+    encodings_.push_back(encoding);
+  }
+
   const std::vector<std::shared_ptr<SharedTopic>>& topics() const { return topics_; }
 
-  ImageMaker& of(const std::string& encoding)
+  /// `is_raw`: whether it is at present the encoding of image_raw.
+  ImageMaker& of(const std::string& encoding, bool is_raw)
   {
-    const auto [maker, is_new] = makers_.try_emplace(encoding);
+    const auto [maker, is_new] = makers_.try_emplace({encoding, is_raw});
     if (is_new)
-      for (const std::shared_ptr<SharedTopic>& topic : topics_)
-        maker->second.addTopic(topic);
+      for (std::size_t i = 0; i < topics_.size(); ++i)
+        if (encodings_[i].empty() ? is_raw : encodings_[i] == encoding) maker->second.addTopic(topics_[i]);
     return maker->second;
   }
 
 private:
   std::vector<std::shared_ptr<SharedTopic>> topics_;
-  std::map<std::string, ImageMaker> makers_;
+  std::vector<std::string> encodings_;  // of these; "" for that of image_raw
+  std::map<std::pair<std::string, bool>, ImageMaker> makers_;
 };
 
 /// One image of a frame and the messages that are made of it. It is converted when that is first asked for, and only

@@ -126,7 +126,7 @@ void ViewOutputs::advertise(ros::NodeHandle nh, bool depths, const std::function
   if (!depths)
   {
     mono = advertiseWithout({kDepth}, nh, nh.resolveName("image_mono"), on_image);
-    makers_.addTopic(SharedTopic::of(mono.getTopic()));
+    makers_.addTopic(SharedTopic::of(mono.getTopic()), "mono8");
     compressed =
         advertiseEncoded<CompressedOutput>(nh, topic, kCompressed, toCompressionParams, compressMessage, on_other);
   }
@@ -167,7 +167,7 @@ bool ViewOutputs::wanted() const
 void ViewOutputs::prepare(cv::Mat& image)
 {
   const bool as_it_is = outputEncoding(output_encoding_, given_encoding_) == given_encoding_;
-  if (as_it_is && hasSubscribers(raw_)) image = makers_.of(given_encoding_).lend();
+  if (as_it_is && hasSubscribers(raw_)) image = makers_.of(given_encoding_, true).lend();
 }
 
 void ViewOutputs::publish(const EncodedImage& image, std_msgs::Header header)
