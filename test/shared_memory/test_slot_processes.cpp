@@ -1,9 +1,11 @@
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstring>
 #include <memory>
 #include <string>
@@ -254,6 +256,31 @@ TEST(ForkedChildren, haveSlotsAndReadersOfTheirOwn)
   of_child_held.reset();
   EXPECT_EQ(child.wait(), 0);
   EXPECT_EQ(board->torn + of_child->torn, 0U);
+}
+
+TEST(ForkedChildren, giveTheirOwnFilesToTheirOwnChildren)
+{
+  Shared<Board> board;
+  SlotWriter writer;
+  SlotReader reader;
+  publish(writer, *board, 1);
+  const Held held = reader.hold(*board->newest());
+  Child parent(
+      []
+      {
+        // They get the numbers that what the process had before has left.
+        std::vector<int> files(64);
+        for (int& file : files)
+          file = open("/dev/null", O_RDONLY);
+        Child child(
+            [&files]
+            {
+              const auto is_open = [](int file) { return fcntl(file, F_GETFD) >= 0; };
+              return std::all_of(files.begin(), files.end(), is_open) ? 0 : 1;
+            });
+        return child.wait();
+      });
+  EXPECT_EQ(parent.wait(), 0);
 }
 
 TEST(ForkedChildren, doNotKeepTheirParentsConnected)

@@ -28,6 +28,7 @@ ForkState& state()
                    {
                      for (const int number : made->opened)
                        close(number);
+                     made->opened.clear();  // The child's own files get these numbers, which its children keep.
                      made->forks.fetch_add(1);
                      made->mutex.unlock();
                    });
