@@ -80,6 +80,16 @@ TEST(ControlServer, opensTheDeviceOnceForEachChange)
   EXPECT_EQ(camera.open_devices, 0);
 }
 
+TEST(ControlServer, setsWhatTheDriverFailsToDescribeAtFirst)
+{
+  FakeCamera camera = webcam();
+  ControlServer server(ros::NodeHandle("~"), ControlDevice([&camera] { return camera.plug(); }), {});
+  EXPECT_EQ(setBrightness(3), 3);
+  camera.faults[VIDIOC_QUERY_EXT_CTRL] = {EIO, EIO};  // for the next one, and for it by its number
+  EXPECT_EQ(setBrightness(9), 9);
+  EXPECT_EQ(camera.control(V4L2_CID_BRIGHTNESS).value, 9);
+}
+
 TEST(ControlServer, usesTheStreamingDeviceAndRestoresSettings)
 {
   FakeCamera camera = webcam();

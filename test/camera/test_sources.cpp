@@ -318,6 +318,18 @@ TEST_F(Sources, areNamedIfTheyAreWrong)
   EXPECT_EQ(openError(from(bare)), "wrong: " + bare + ": no images that OpenCV can read are there");
 }
 
+TEST_F(Sources, tellNoPasswords)
+{
+  const std::vector<std::pair<std::string, std::string>> table = {
+      {"rtsp://admin:s3cret@127.0.0.1:1/live", "rtsp://127.0.0.1:1/live"},
+      {"http://admin:s3@cret@127.0.0.1:1?a=b@c", "http://127.0.0.1:1?a=b@c"},
+      {"tcp://127.0.0.1:1", "tcp://127.0.0.1:1"},
+      {"http://127.0.0.1:1/a@b.mjpg", "http://127.0.0.1:1/a@b.mjpg"},
+  };
+  for (const auto& [url, shown] : table)
+    EXPECT_EQ(openError(from(url)), "unavailable: " + shown + ": the stream cannot be opened");
+}
+
 TEST_F(Sources, areUnavailableIfTheyMayComeLater)
 {
   EXPECT_EQ(openError(from("/dev/video99")), "unavailable: /dev/video99: cannot be opened: No such file or directory");

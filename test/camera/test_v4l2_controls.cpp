@@ -182,6 +182,14 @@ TEST(V4l2Controls, areListedEvenIfTheDriverTellsNonsense)
   }
 }
 
+TEST(V4l2Controls, areListedOnceIfTheDriverBeginsAgain)
+{
+  FakeCamera camera = webcam();
+  const std::size_t all = listControls(*camera.plug()).size();
+  camera.repeats_controls = true;
+  EXPECT_EQ(listControls(*camera.plug()).size(), all);
+}
+
 TEST(V4l2Controls, takeValuesOfEveryKind)
 {
   FakeCamera camera = webcam();

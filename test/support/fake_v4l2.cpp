@@ -301,20 +301,25 @@ private:
     {
       if (next ? control.id <= id : control.id != id) continue;
       if (control.query_error != 0) return control.query_error;
-      answer = {};
-      answer.id = control.id;
-      answer.type = control.type;
-      write(answer.name, control.title);
-      answer.minimum = control.minimum;
-      answer.maximum = control.maximum;
-      answer.step = 1;
-      answer.default_value = control.default_value;
-      answer.elem_size = control.type == V4L2_CTRL_TYPE_STRING ? static_cast<std::uint32_t>(control.maximum) + 1 : 4;
-      answer.flags = control.flags;
-      if (control.inactive && control.inactive(camera_)) answer.flags |= V4L2_CTRL_FLAG_INACTIVE;
-      return 0;
+      return tell(control, answer);
     }
-    return EINVAL;
+    return next && camera_.repeats_controls ? tell(camera_.controls.front(), answer) : EINVAL;
+  }
+
+  int tell(const FakeCamera::Control& control, v4l2_query_ext_ctrl& answer) const
+  {
+    answer = {};
+    answer.id = control.id;
+    answer.type = control.type;
+    write(answer.name, control.title);
+    answer.minimum = control.minimum;
+    answer.maximum = control.maximum;
+    answer.step = 1;
+    answer.default_value = control.default_value;
+    answer.elem_size = control.type == V4L2_CTRL_TYPE_STRING ? static_cast<std::uint32_t>(control.maximum) + 1 : 4;
+    answer.flags = control.flags;
+    if (control.inactive && control.inactive(camera_)) answer.flags |= V4L2_CTRL_FLAG_INACTIVE;
+    return 0;
   }
 
   int queryItem(v4l2_querymenu& answer) const

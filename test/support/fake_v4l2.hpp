@@ -77,7 +77,8 @@ struct FakeCamera
 
   // Its state and the faults to come.
   bool plugged = true;
-  bool exclusive = false;  // it cannot be opened twice at a time
+  bool exclusive = false;         // it cannot be opened twice at a time
+  bool repeats_controls = false;  // it begins again after the last one
   bool stalled = false;
   std::chrono::milliseconds frame_time{0};          // how long a frame takes
   std::map<unsigned long, std::deque<int>> faults;  // request -> the errnos of its next calls, 0 for success

@@ -61,11 +61,13 @@ std::vector<v4l2_query_ext_ctrl> enumerateControls(V4l2Device& device)
   int failures = 0;
   for (std::uint32_t id = 0;;)
   {
+    const std::uint32_t before = id;
     int error = ask(device, id | kNextControlFlags, query);
     if (error == EINVAL || error == ENOTTY || (error != 0 && ++failures > kMaxFailures)) return controls;
     if (error != 0) error = findUndescribed(device, id, query);
     if (error == EINVAL) return controls;
     if (error != 0) continue;
+    if (query.id <= before) return controls;  // A driver that gives the same ones again would never end.
     controls.push_back(query);
     id = query.id;
   }

@@ -15,6 +15,16 @@ constexpr double kShortestTimeout = 5.0;  // s, of a stream
 constexpr double kLongestTimeout = 30.0;  // s
 constexpr int kOrientationAuto = 49;      // cv::CAP_PROP_ORIENTATION_AUTO; versions of OpenCV without it turn no frames
 
+/// The path, without the user and the password that a URL may have, for what is logged and published.
+std::string withoutLogin(const std::string& path)
+{
+  const std::size_t scheme = path.find("://");
+  if (scheme == std::string::npos) return path;
+  const std::size_t begin = scheme + 3;
+  const std::size_t at = path.substr(0, path.find_first_of("/?#", begin)).rfind('@');
+  return at == std::string::npos || at < begin ? path : path.substr(0, begin) + path.substr(at + 1);
+}
+
 /// How many frames a video may be too short before it counts as truncated. The container's number of frames may be
 /// rounded from the duration, and its rate may be the mean of a varying one.
 std::int64_t tolerance(std::int64_t expected)
@@ -25,7 +35,7 @@ std::int64_t tolerance(std::int64_t expected)
 }  // namespace
 
 VideoSource::VideoSource(const std::string& path, double timeout)
-  : path_(path), url_(path.find("://") != std::string::npos), timeout_(timeout)
+  : path_(path), shown_(withoutLogin(path)), url_(path.find("://") != std::string::npos), timeout_(timeout)
 {
   open();
   rate_ = capture_.get(cv::CAP_PROP_FPS);
@@ -48,15 +58,15 @@ void VideoSource::open()
   capture_.set(kOrientationAuto, 0.0);  // keeps the pixels as the sensor had them, as the calibration does
   grabbed_ = opened && capture_.grab();
   if (grabbed_) return;
-  if (url_) throw SourceUnavailable(path_ + ": the stream cannot be opened");
-  throw SourceError(path_ + ": not an image or video that FFmpeg can read, or truncated");
+  if (url_) throw SourceUnavailable(shown_ + ": the stream cannot be opened");
+  throw SourceError(shown_ + ": not an image or video that FFmpeg can read, or truncated");
 }
 
 ReadResult VideoSource::read(Frame& frame)
 {
   if (!grabbed_ && !capture_.grab()) return endOrThrow();
   grabbed_ = false;
-  if (!capture_.retrieve(frame.image)) throw std::invalid_argument(path_ + ": a frame cannot be decoded");
+  if (!capture_.retrieve(frame.image)) throw std::invalid_argument(shown_ + ": a frame cannot be decoded");
   frame.encoding = "bgr8";
   frame.sequence = sequence_++;
   ++played_;
@@ -66,14 +76,14 @@ ReadResult VideoSource::read(Frame& frame)
 
 ReadResult VideoSource::endOrThrow() const
 {
-  if (live_) throw SourceUnavailable(path_ + ": the stream has ended");
+  if (live_) throw SourceUnavailable(shown_ + ": the stream has ended");
   const std::int64_t missing = expected_ - played_;
   const double missing_s = static_cast<double>(expected_) / rate_ - end_s_;
   if (missing <= tolerance(expected_) || missing_s * rate_ <= static_cast<double>(tolerance(expected_)))
     return ReadResult::kEnd;
   const std::string part = std::to_string(played_) + " of " + std::to_string(expected_) + " frames";
-  if (url_) throw SourceUnavailable(path_ + ": the stream broke off after " + part);
-  throw SourceError(path_ + ": truncated or damaged, only " + part + " could be decoded");
+  if (url_) throw SourceUnavailable(shown_ + ": the stream broke off after " + part);
+  throw SourceError(shown_ + ": truncated or damaged, only " + part + " could be decoded");
 }
 
 void VideoSource::rewind()
@@ -85,7 +95,7 @@ void VideoSource::rewind()
 
 std::string VideoSource::description() const
 {
-  return (live_ ? "stream " : "video at " + toText(rate_) + " Hz from ") + path_;
+  return (live_ ? "stream " : "video at " + toText(rate_) + " Hz from ") + shown_;
 }
 
 }  // namespace robot_vision

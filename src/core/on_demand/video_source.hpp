@@ -23,6 +23,7 @@ private:
   ReadResult endOrThrow() const;
 
   std::string path_;
+  std::string shown_;  // without a login
   bool url_;
   double timeout_;  // s
   bool live_;       // a stream without a length, whose sender determines the rate

@@ -85,7 +85,9 @@ bool ControlServer::change(dynamic_reconfigure::Reconfigure::Request& request,
     {
       const auto same = [&setting](const RefusedSetting& other) { return other.name == setting.name; };
       const CameraControl* control = findControl(controls_, setting.name);
-      if (std::any_of(refused.begin(), refused.end(), same) || control->kind == ControlKind::kButton) continue;
+      // The driver may have failed to describe one that it then set.
+      const bool is_button = control != nullptr && control->kind == ControlKind::kButton;
+      if (std::any_of(refused.begin(), refused.end(), same) || is_button) continue;
       remember(setting);
     }
     for (const RefusedSetting& setting : refused)
