@@ -20,14 +20,6 @@ def test_what_the_tracker_refuses_is_refused_before_anything_is_put_to_use():
     assert settings(max_age=0.5).tracker.max_age == 0.5
 
 
-def test_things_are_remembered_until_the_network_looks_again():
-    """Each would be a new one else, and never have been seen often enough."""
-    with pytest.raises(ValueError, match=r"max_age is 3, must be above .*, 4 s by max_rate"):
-        settings(max_rate=0.25)
-    assert settings(max_rate=0.25, max_age=4.5).period == 4.0
-    assert settings(max_rate=0.25, track=False).period == 4.0
-
-
 def test_what_is_unsure_is_found_only_to_continue_tracks():
     found = settings(score_threshold=0.3, unsure_score=0.2, class_scores="fork: 0.1").detection
     assert (found.score_threshold, found.class_thresholds) == (0.2, {"fork": 0.1})

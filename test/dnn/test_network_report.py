@@ -102,9 +102,12 @@ def test_a_network_that_is_always_slow_is_not_slower_than_it_is(report, monkeypa
         assert status_of(report)[0] == DiagnosticStatus.WARN
 
 
-def test_runs_that_are_longer_than_things_are_remembered_are_told(report):
+def test_runs_that_are_farther_apart_than_things_are_remembered_are_told(report):
     report.add_run(3.25)
     assert status_of(report)[0] == DiagnosticStatus.OK
     report.max_age = 3.0
-    said = "nothing can be followed: a frame takes 3.2 s, and max_age is 3"
+    said = "nothing can be followed: runs are 3.2 s apart, and max_age is 3"
+    assert status_of(report)[:2] == (DiagnosticStatus.WARN, said)
+    report.period, report.max_age = 10.0, 4.0
+    said = "nothing can be followed: runs are 10.0 s apart, and max_age is 4"
     assert status_of(report)[:2] == (DiagnosticStatus.WARN, said)

@@ -97,10 +97,4 @@ def settings_of(config: Dict[str, Any], names: Sequence[str]) -> Settings:
     tracker.low_score, tracker.high_score = 0.0, SURE  # on the scale of ClassThresholds
     tracker.max_boxes = min(config["max_detections"], MAX_BOXES)
     BoxTracker(tracker)  # refuses them now, before some of the settings are put to use
-    settings = Settings(thresholds, detection, config, tracker)
-    if settings.track and settings.period >= tracker.max_age:  # else each thing is new in each run
-        raise ValueError(
-            f"max_age is {tracker.max_age:g}, must be above the time between two frames that are "
-            f"looked at, {settings.period:g} s by max_rate"
-        )
-    return settings
+    return Settings(thresholds, detection, config, tracker)

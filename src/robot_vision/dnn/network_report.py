@@ -41,13 +41,14 @@ class NetworkReport:
 
     Attributes:
         max_age: s for which things are remembered that no run has found; inf: none are followed.
+        period: s from one run to the next, at least.
 
     Raises:
         ValueError: ~diagnostic_period is out of range.
     """
 
     def __init__(self, facts: Mapping[str, str]):
-        self.max_age = math.inf
+        self.max_age, self.period = math.inf, 0.0
         self._facts = dict(facts)
         self._lock = threading.Lock()  # guards all below
         self._status = StatusTopic("network")
@@ -107,12 +108,10 @@ class NetworkReport:
         taken = 0.0 if self._began is None else time.monotonic() - self._began
         if taken > max(SLOW, TIMES_SLOW * (self._mean or 0.0)):
             return DiagnosticStatus.WARN, f"a frame takes {taken:.0f} s already", values
-        if self._mean is not None and self._mean >= self.max_age:
-            return DiagnosticStatus.WARN, self._too_slow(), values
+        apart = max(self._mean or 0.0, self.period)
+        if apart >= self.max_age:  # Each thing is a new one in each run.
+            times = f"runs are {apart:.1f} s apart, and max_age is {self.max_age:g}"
+            return DiagnosticStatus.WARN, f"nothing can be followed: {times}", values
         if self._mean is None:
             return DiagnosticStatus.OK, "the network has not looked at a frame yet", values
         return DiagnosticStatus.OK, f"{1e3 * self._mean:.1f} ms for a frame", values
-
-    def _too_slow(self) -> str:
-        times = f"a frame takes {self._mean:.1f} s, and max_age is {self.max_age:g}"
-        return f"nothing can be followed: {times}"

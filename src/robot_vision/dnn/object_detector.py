@@ -68,6 +68,7 @@ class ObjectDetector:
         self._detector.configure(settings.detection)
         self._follower.configure(settings.tracker, settings.period, settings.tracker_score)
         self._pace.period = settings.period
+        self._report.period = settings.period
         self._report.max_age = settings.tracker.max_age if settings.track else math.inf
         self._settings = settings
         if not settings.track:
