@@ -437,7 +437,8 @@ def test_goals_of_an_idle_node_wait_until_it_is_known_what_is_up(start, kitchen,
 
     def answer():
         client.send_goal(ObjectRecognitionGoal())
-        eyes.shown_until(lambda: client.get_state() in DONE, "the end of the goal")
+        eyes.shown_until(client.get_result, "the result of the action")
+        support.wait_for(lambda: client.get_state() in DONE, "its state")
         return client.get_state(), client.get_goal_status_text()
 
     lack = "no transform from the vertical_frame 'level' to its frame 'eye', expected on "
