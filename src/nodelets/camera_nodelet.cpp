@@ -77,6 +77,18 @@ private:
   {
     gate_.guard(getNodeHandle());
     gate_.guard(getPrivateNodeHandle());
+    // The manager's other threads call what has come already.
+    gate_.between()([this] { begin(); });
+  }
+  catch (const std::exception& e)
+  {
+    NODELET_FATAL("%s: %s", getName().c_str(), logLine(e.what()).c_str());
+    stop();  // here, because the loader destroys the callback queues before the nodelet
+    throw;   // so that the loader reports a failure instead of keeping a dead nodelet
+  }
+
+  void begin()
+  {
     const AdvertisingLock advertising;
     ros::NodeHandle& pnh = getPrivateNodeHandle();
     bool keep_streaming = false;
@@ -116,12 +128,6 @@ private:
     stop_ = pnh.advertiseService<Empty::Request, Empty::Response>(
         "stop_capture", [this](Empty::Request&, Empty::Response&) { return setStopped(true); });
     registration_ = std::make_unique<Registration>(pnh.getNamespace());
-  }
-  catch (const std::exception& e)
-  {
-    NODELET_FATAL("%s: %s", getName().c_str(), logLine(e.what()).c_str());
-    stop();  // here, because the loader destroys the callback queues before the nodelet
-    throw;   // so that the loader reports a failure instead of keeping a dead nodelet
   }
 
   bool setStopped(bool stopped)

@@ -1,8 +1,10 @@
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
+#include <robot_vision/BrightnessConfig.h>
 #include <robot_vision/FilterConfig.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
+#include <std_srvs/Empty.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include <atomic>
@@ -17,6 +19,7 @@
 #include "nodelets/factories.hpp"
 #include "ros/depth/frame_transforms.hpp"
 #include "ros/images/image_message.hpp"
+#include "ros/images/image_nodelet.hpp"
 #include "ros/images/lazy_image_input.hpp"
 #include "ros/images/subscribing_lock.hpp"
 #include "ros/images/subscription_pair.hpp"
@@ -98,6 +101,52 @@ TEST(Filter, whatCannotBeSubscribedToChangesNothing)
   const std::size_t before = images.seconds().size();
   ASSERT_TRUE(camera.showUntil([&] { return images.seconds().size() > before + 3; }));
   EXPECT_EQ(images.last()->width, SmallCamera::kWidth);
+}
+
+namespace
+{
+
+/// Has somebody call a service of its own while it begins.
+class AskedAtOnce
+{
+public:
+  AskedAtOnce(const ros::NodeHandle& /*nh*/, ros::NodeHandle pnh) : name_(pnh.resolveName("ask"))
+  {
+    using Answer = boost::function<bool(std_srvs::Empty::Request&, std_srvs::Empty::Response&)>;
+    service_ = pnh.advertiseService("ask", Answer([](auto&, auto&) { return true; }));
+  }
+
+  void configure(const BrightnessConfig& /*config*/) {}
+
+  void advertise(LazyOutputs& /*outputs*/)
+  {
+    answered = std::async(std::launch::async,
+                          [name = name_]
+                          {
+                            std_srvs::Empty call;
+                            return ros::service::call(name, call);
+                          });
+    is_early = answered.wait_for(std::chrono::milliseconds(200)) == std::future_status::ready;
+  }
+
+  void process(const sensor_msgs::ImageConstPtr& /*message*/, const cv::Mat& /*image*/, LazyOutputs& /*outputs*/) {}
+
+  static inline std::future<bool> answered;
+  static inline bool is_early = true;
+
+private:
+  std::string name_;
+  ros::ServiceServer service_;
+};
+
+}  // namespace
+
+TEST(ImageNodelet, isCalledWhenItHasBegun)
+{
+  ImageNodelet<BrightnessConfig, AskedAtOnce> nodelet;
+  nodelet.init("/asked", {}, {});
+  EXPECT_FALSE(AskedAtOnce::is_early);
+  EXPECT_TRUE(AskedAtOnce::answered.get());
 }
 
 TEST(ImageSubscription, isNoneAfterItsEnd)

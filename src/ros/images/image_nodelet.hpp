@@ -41,6 +41,18 @@ private:
   {
     gate_.guard(getNodeHandle());
     gate_.guard(getPrivateNodeHandle());
+    // The manager's other threads call what has come already.
+    gate_.between()([this] { begin(); });
+  }
+  catch (const std::exception& e)
+  {
+    NODELET_FATAL("%s: %s", getName().c_str(), logLine(e.what()).c_str());
+    stop();  // here, because the loader destroys the callback queues before the nodelet
+    throw;   // so that the loader reports a failure instead of keeping a dead nodelet
+  }
+
+  void begin()
+  {
     const AdvertisingLock advertising;
     work_ = std::make_unique<Work>(getNodeHandle(), getPrivateNodeHandle());
     params_ = std::make_unique<LiveParams<Config>>(getPrivateNodeHandle(),
@@ -55,12 +67,6 @@ private:
     input_->start();
     reviewParams(getPrivateNodeHandle());
     registration_ = std::make_unique<Registration>(getPrivateNodeHandle().getNamespace());
-  }
-  catch (const std::exception& e)
-  {
-    NODELET_FATAL("%s: %s", getName().c_str(), logLine(e.what()).c_str());
-    stop();  // here, because the loader destroys the callback queues before the nodelet
-    throw;   // so that the loader reports a failure instead of keeping a dead nodelet
   }
 
   template <class Other>

@@ -31,8 +31,7 @@ void LazySubscriber::start()
     running_ = true;
   }
   if (const std::exception_ptr error = look()) std::rethrow_exception(error);
-  // The loader of nodelets drops callbacks until onInit() returns, also those of subscribers that come meanwhile; and a
-  // topic that is withdrawn does not tell that its subscribers are gone.
+  // A topic that is withdrawn does not tell that its subscribers are gone.
   timer_ = nh_.createWallTimer(ros::WallDuration(kUpdatePeriod), [this](const ros::WallTimerEvent&) { update(); });
 }
 

@@ -9,9 +9,8 @@
 namespace robot_vision
 {
 
-/// A queue of a nodelet, in which callbacks wait until it is opened. A nodelet manager disables its queues until
-/// onInit() returns, and so loses what comes meanwhile: a subscription in onInit() to which a frame has come would
-/// never get another one.
+/// A queue of a nodelet, in which callbacks wait until it is opened, after onInit(). Those of a nodelet manager are
+/// open from the beginning, so that others' nodelets may be called before they are ready.
 class NodeletQueue : public nodelet::detail::CallbackQueue
 {
 public:
