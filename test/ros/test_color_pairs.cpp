@@ -71,6 +71,32 @@ TEST(ColorPairs, areTheNearestOfThoseThatAreThere)
   EXPECT_EQ(cameras.found, "1012-1015 1060-1075 ");
 }
 
+TEST(ColorPairs, areNotThoseOfTheFrameBeforeOfFastCameras)
+{
+  Cameras cameras(0.02);
+  cameras.color(983);
+  cameras.color(1000);
+  cameras.depth(1000);
+  cameras.depth(1017);
+  EXPECT_EQ(cameras.found, "1000-1000 ");
+  cameras.color(1017);
+  EXPECT_EQ(cameras.found, "1000-1000 1017-1017 ");
+  cameras.depth(1033);
+  cameras.depth(1050);  // the color of 1033 has been lost
+  EXPECT_EQ(cameras.found, "1000-1000 1017-1017 1033-1017 ");
+  cameras.color(1050);
+  EXPECT_EQ(cameras.found, "1000-1000 1017-1017 1033-1017 1050-1050 ");
+}
+
+TEST(ColorPairs, waitForNoColorThatIsFartherAway)
+{
+  Cameras cameras(0.02);
+  cameras.color(1000);
+  cameras.color(1033);
+  cameras.depth(1043);
+  EXPECT_EQ(cameras.found, "1043-1033 ");
+}
+
 TEST(ColorPairs, haveEqualStampsWithoutSlop)
 {
   Cameras cameras(0.0);
@@ -136,6 +162,22 @@ TEST(ColorPairs, tellWhyThereAreNone)
             "the stamps on /d and /c do not meet: the newest are 2.900000000 s and 2.950000000 s, must be "
             "at most slop, 0.02 s, apart");
   EXPECT_EQ(none.pairs.problem("/d", "/c"), "");  // told once
+}
+
+TEST(ColorPairs, tellThatDepthsComeTooLate)
+{
+  Cameras cameras(0.02);
+  std::string told;
+  for (int i = 0; i < static_cast<int>(ColorPairs::kMaxUnpaired); ++i)
+  {
+    cameras.color(1200 + 33 * i);
+    cameras.color(1217 + 33 * i);
+    cameras.depth(1000 + 33 * i);
+    told = cameras.pairs.problem("/d", "/c");
+  }
+  EXPECT_EQ(told,
+            "the images on /d come too late: the newest is of 1.627000000 s, and of those on /c only 4 are "
+            "kept, from 1.794000000 s on");
 }
 
 TEST(ColorPairs, canBeForgotten)

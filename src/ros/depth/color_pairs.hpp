@@ -16,9 +16,9 @@ struct ColoredDepth
   sensor_msgs::ImageConstPtr depth, color;
 };
 
-/// Finds the color image of each depth image by their stamps, whichever comes first: the nearest of those that are
-/// there and differ by `slop` (s) at most, or else the first one that comes before the next depth image. Keeps few
-/// images. Not thread-safe.
+/// Finds the color image of each depth image by their stamps, whichever comes first: the nearest of those that differ
+/// by `slop` (s) at most. It waits for a nearer one if that is to come next, but no longer than for the next depth
+/// image. Keeps few images. Not thread-safe.
 class ColorPairs
 {
 public:
@@ -40,7 +40,8 @@ public:
   void clear();
 
 private:
-  std::optional<ColoredDepth> pair();
+  std::optional<ColoredDepth> pair(bool waits);
+  bool isNearerToCome(const sensor_msgs::ImageConstPtr& nearest) const;
 
   double slop_;
   std::deque<sensor_msgs::ImageConstPtr> colors_;
