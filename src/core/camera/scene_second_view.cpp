@@ -1,7 +1,8 @@
 #include "scene_second_view.hpp"
 
-#include <algorithm>
 #include <opencv2/imgproc.hpp>
+
+#include "robot_vision/depth/depth_image.hpp"
 
 namespace robot_vision
 {
@@ -9,24 +10,6 @@ namespace
 {
 
 constexpr std::uint8_t kUnseenBrightness = 128;  // what DepthNoise takes where nothing is known
-
-/// z in m (CV_32FC1) as 16UC1: in mm, 0 where there is none or where it is beyond 65.535 m. `depth` is reused if it
-/// fits.
-void toMillimetres(const cv::Mat& metres, cv::Mat& depth)
-{
-  depth.create(metres.size(), CV_16UC1);
-  for (int y = 0; y < metres.rows; ++y)
-  {
-    const auto* const from = metres.ptr<float>(y);
-    std::transform(from, from + metres.cols, depth.ptr<std::uint16_t>(y),
-                   [](float z)
-                   {
-                     const float rounded = 1000.0F * z + 0.5F;  // NaN is not within any limits
-                     const bool fits = rounded >= 1.0F && rounded < 65536.0F;
-                     return static_cast<std::uint16_t>(fits ? rounded : 0.0F);
-                   });
-  }
-}
 
 }  // namespace
 
@@ -85,7 +68,7 @@ void SceneSecondView::renderDepth(std::int64_t frame, const cv::Mat& bgr, cv::Ma
     if (bgr.empty()) scene_.render(frame, bgr_);
     noise_->apply(frame, metres, brightness_->measure(bgr.empty() ? bgr_ : bgr, metres), metres);
   }
-  if (encoding_ != "32FC1") toMillimetres(metres, depth);
+  if (encoding_ != "32FC1") toMillimetres(metres, "32FC1", depth);
 }
 
 }  // namespace robot_vision
