@@ -47,7 +47,10 @@ public:
       kept = image.array;
     }
     if (depth.is_none())
+    {
+      const LeaveGil unlocked;
       set(colors, depths, encoding);
+    }
     else
     {
       const DepthArray array(depth);

@@ -59,7 +59,8 @@ void bindResults(py::module& m)
       .def_readonly("found", &ModelReport::found, "objects")
       .def_readonly("best_probability", &ModelReport::best_probability, "of all that were verified")
       .def_readonly("best_score", &ModelReport::best_score, "of the candidates")
-      .def_readonly("nearest_distance", &ModelReport::nearest_distance, "m, of the candidates; 0: there is none")
+      .def_readonly("nearest_distance", &ModelReport::nearest_distance,
+                    "m, of the candidates' middles; 0: there is none")
       .def_property_readonly("reason", &reasonText, "why nothing was found, as a line; or found");
   py::class_<Recognition>(m, "Recognition", "The objects in a frame, and what became of each model.")
       .def_readonly("objects", &Recognition::objects, "the most probable first")

@@ -1,12 +1,11 @@
 """Which of several things of a kind is the first, the second, ... from image to image."""
 
 import itertools
-import types
 
 import numpy as np
 import pytest
 
-from robot_vision.recognition.found import Found
+from robot_vision.recognition.found import Found, KnownObject
 from robot_vision.recognition.object_numbers import KEPT, ObjectNumbers
 
 # 0.12 m in diameter, with the origin of its mesh 0.5 m beside it.
@@ -19,7 +18,8 @@ def thing(place, name="coke", turn=0.0):
     pose = np.eye(4)
     pose[:2, :2] = [[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]
     pose[:3, 3] = np.asarray(place) - pose[:3, :3] @ CORNERS.mean(axis=0)
-    return Found(types.SimpleNamespace(name=name, corners=CORNERS), pose, np.eye(6), 0.9)
+    known = KnownObject("id", name, None, None, None, CORNERS, {})
+    return Found(known, pose, np.eye(6), 0.9)
 
 
 LEFT, RIGHT = (-0.2, 0.0, 0.8), (0.2, 0.0, 0.8)

@@ -5,8 +5,10 @@ import pytest
 from std_msgs.msg import Header
 
 import robot_vision as rv
+from robot_vision.recognition import recognition_markers
 from robot_vision.recognition.found import Found, KnownObject
-from robot_vision.recognition.recognition_markers import ObjectMarkers
+from robot_vision.recognition.recognition_markers import ObjectMarkers, title
+from robot_vision.recognition.recognizer import RecognitionParams, Recognizer
 from robot_vision.recognition.straight_images import StraightImages
 
 SIZE = (320, 240)
@@ -109,6 +111,9 @@ def test_an_object_is_recognized_and_another_one_is_not(scene, shape, frame):
     assert one.probability > 0.9
     assert np.linalg.norm(one.pose[:3, 3] - scene[0][:3, 3]) < 0.002
     assert [report.found for report in found.reports] == [1, 0]
+    middle = scene[0] @ np.append(shape.extent.center, 1.0)
+    assert np.abs(middle[:3] - scene[0][:3, 3]).max() > 0.01
+    assert found.reports[0].nearest_distance == pytest.approx(np.linalg.norm(middle[:3]))
     assert found.reports[0].reason == "found"
     assert found.reports[1].reason not in ("", "found")
     nothing = recognizer.recognize(frame, [])
@@ -167,6 +172,56 @@ def test_markers_have_the_mesh_that_an_object_has_now():
     for points, mesh in zip(made[1:], meshes):
         corners = np.array([[point.x, point.y, point.z] for point in points])
         assert np.allclose(np.ptp(corners, axis=0), rv.mesh_extent(mesh).size, atol=0.01)
+
+
+class Clock:
+    """Takes the place of the module time."""
+
+    now = 1000.0  # s
+
+    def monotonic(self):
+        return self.now
+
+
+def test_markers_stay_until_the_next_image(monkeypatch):
+    clock = Clock()
+    monkeypatch.setattr(recognition_markers, "time", clock)
+    known = KnownObject("id", "thing", rv.sample_mesh("nut").mesh, None, None, np.ones((8, 3)), {})
+    markers, lives = ObjectMarkers(), []
+    for seconds in (0.03, 0.03, 1.5, 600.0):
+        clock.now += seconds
+        found = [Found(known, np.eye(4), np.eye(6), 1.0)]
+        lives.append({one.lifetime.to_sec() for one in markers.of(Header(), found).markers})
+    assert lives == [{0.5}, {0.5}, {3.0}, {20.0}]
+
+
+def test_markers_of_objects_that_are_gone_are_not_kept(monkeypatch):
+    monkeypatch.setattr(recognition_markers, "MAX_SHAPES", 3)
+    mesh, markers = rv.sample_mesh("nut").mesh, ObjectMarkers()
+    for number in range(10):
+        known = KnownObject(str(number), "thing", mesh, None, None, np.zeros((8, 3)), {})
+        assert markers.of(Header(), [Found(known, np.eye(4), np.eye(6), 1.0)]).markers
+    assert len(markers._shapes) <= 3
+
+
+def test_the_distance_of_an_object_is_that_of_its_middle():
+    """Not of the origin of its mesh, which may be anywhere."""
+    corners = np.full((8, 3), (0.0, 0.0, 0.5))
+    known = KnownObject("id", "thing", None, None, None, corners, {})
+    pose = np.diag([1.0, -1.0, -1.0, 1.0])
+    pose[2, 3] = 1.5
+    assert title(Found(known, pose, np.eye(6), 0.9)) == "thing 0.90: 1.00 m"
+
+
+def test_the_range_of_distances_is_that_of_the_middle(shape):
+    corners = np.full((8, 3), (0.0, 0.0, 0.8))
+    known = KnownObject("id", "part", None, None, shape, corners, {})
+    params = RecognitionParams.defaults()
+    assert (params.match.min_distance, params.match.max_distance) == (0.3, 3.0)
+    recognizer, pose = Recognizer([known], params), np.eye(4)
+    for distance, is_in_range in ((-0.6, False), (0.1, True), (2.1, True), (2.4, False)):
+        pose[2, 3] = distance
+        assert recognizer._is_in_range(0, pose) is is_in_range
 
 
 def test_depths_of_millimetres_and_arrays_with_gaps_will_do(scene, shape):

@@ -78,7 +78,7 @@ struct ModelReport
   int found = 0;                                 // objects
   double best_probability = 0.0;                 // of all that were verified
   double best_score = 0.0;                       // of the candidates
-  double nearest_distance = 0.0;                 // m, of the candidates; 0: there is none
+  double nearest_distance = 0.0;                 // m, of the candidates' middles; 0: there is none
   MissReason reason = MissReason::kNoCandidate;  // of the candidate that came farthest
 };
 

@@ -72,14 +72,15 @@ struct ObjectRecognizer::Impl
     return by_model;
   }
 
-  static void note(const std::vector<PoseCandidate>& candidates, ModelReport& report)
+  void note(const std::vector<PoseCandidate>& candidates, ModelReport& report) const
   {
     report.candidates = static_cast<int>(candidates.size());
     if (candidates.empty()) return;
     report.best_score = candidates.front().score;
-    report.nearest_distance = cv::norm(candidates.front().pose.translation());
+    const cv::Vec3d center = shapes[static_cast<std::size_t>(report.model)]->extent().center;
+    report.nearest_distance = cv::norm(candidates.front().pose * center);
     for (const PoseCandidate& candidate : candidates)
-      report.nearest_distance = std::min(report.nearest_distance, cv::norm(candidate.pose.translation()));
+      report.nearest_distance = std::min(report.nearest_distance, cv::norm(candidate.pose * center));
   }
 
   void tryModel(const RecognitionFrame& frame, std::vector<PoseCandidate> candidates, ModelReport& report)

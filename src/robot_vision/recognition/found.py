@@ -32,6 +32,10 @@ class KnownObject(NamedTuple):
     models: Dict[str, bytes]
     is_box: bool = False
 
+    def middle_at(self, pose: np.ndarray) -> np.ndarray:
+        """Returns where the middle of the box around it is in a pose, (3,), m."""
+        return pose[:3, :3] @ self.corners.mean(axis=0) + pose[:3, 3]
+
 
 class Found(NamedTuple):
     """An object that was recognized in an image.
@@ -47,6 +51,11 @@ class Found(NamedTuple):
     pose: np.ndarray
     covariance: np.ndarray
     probability: float
+
+    @property
+    def middle(self) -> np.ndarray:
+        """(3,), m, the middle of the box around it: the origin of its mesh may be anywhere."""
+        return self.object.middle_at(self.pose)
 
 
 class Look(NamedTuple):

@@ -37,7 +37,7 @@ class ObjectNumbers:
             known = self._known.setdefault(label, {})
             for index, number in zip(indices, _numbered([found[i] for i in indices], known)):
                 numbers[index] = number
-                known[number] = _Numbered(_middle(found[index]), 0)
+                known[number] = _Numbered(found[index].middle, 0)
         return numbers
 
     def _age(self) -> None:
@@ -55,7 +55,7 @@ def _numbered(things: Sequence[Found], known: Dict[int, _Numbered]) -> List[int]
     for index, one in enumerate(things):
         reach = 0.5 * np.linalg.norm(np.ptp(one.object.corners, axis=0))
         for number, before in known.items():
-            distance = np.linalg.norm(_middle(one) - before.place)
+            distance = np.linalg.norm(one.middle - before.place)
             if distance <= reach:
                 near.append((distance, index, number))
     numbers: Dict[int, int] = {}
@@ -64,7 +64,3 @@ def _numbered(things: Sequence[Found], known: Dict[int, _Numbered]) -> List[int]
             numbers[index] = number
     free = (number for number in itertools.count() if number not in known)
     return [numbers[index] if index in numbers else next(free) for index in range(len(things))]
-
-
-def _middle(one: Found) -> np.ndarray:
-    return one.pose[:3, :3] @ one.object.corners.mean(axis=0) + one.pose[:3, 3]

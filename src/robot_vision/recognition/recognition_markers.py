@@ -1,5 +1,6 @@
 """What was recognized as markers for rviz: the meshes themselves, which needs no file."""
 
+import time
 from typing import Dict, List, Sequence, Tuple
 
 import numpy as np
@@ -14,7 +15,10 @@ from ..ros.poses import pose_of
 from .found import Found, KnownObject
 from .marker_mesh import marker_triangles
 
-LIFETIME = 0.5  # s for which a marker stays after its object is gone
+LIFETIME = 0.5  # s for which a marker stays after its object is gone, at least
+LIFE = 2.0  # the same, as multiple of the time from one image to the next
+MAX_LIFETIME = 20.0  # s
+MAX_SHAPES = 100  # objects whose markers are kept: of more than these some are gone
 TEXT_HEIGHT = 0.03  # m
 WHITE = ColorRGBA(1.0, 1.0, 1.0, 1.0)
 
@@ -24,15 +28,19 @@ class ObjectMarkers:
 
     def __init__(self) -> None:
         self._shapes: Dict[str, Tuple[Mesh, Marker]] = {}  # by the ids of objects; no header
+        self._last = time.monotonic()  # s, of the last image
 
     def of(self, header: Header, found: Sequence[Found]) -> MarkerArray:
         """Returns a mesh and a text for each object that was found in an image."""
+        now = time.monotonic()
+        life = rospy.Duration(min(max(LIFE * (now - self._last), LIFETIME), MAX_LIFETIME))
+        self._last = now
         made: List[Marker] = []
         for number, one in enumerate(found):
             for marker in (self._shape(one.object), _text(one)):
                 marker.header = header
                 marker.id = number
-                marker.lifetime = rospy.Duration(LIFETIME)
+                marker.lifetime = life
                 made.append(marker)
             made[-2].pose = pose_of(one.pose)
         return MarkerArray(made)
@@ -41,6 +49,8 @@ class ObjectMarkers:
         mesh, shape = self._shapes.get(known.id, (None, None))
         if mesh is not known.mesh:  # It was loaded anew.
             shape = _triangles(known)
+            if len(self._shapes) >= MAX_SHAPES:
+                self._shapes.clear()
             self._shapes[known.id] = known.mesh, shape
         return Marker(
             ns="meshes",
@@ -64,15 +74,14 @@ def _triangles(known: KnownObject) -> Marker:
 def _text(one: Found) -> Marker:
     made = Marker(type=Marker.TEXT_VIEW_FACING, color=WHITE, ns="names", text=title(one))
     made.scale.z = TEXT_HEIGHT
-    top = one.pose[:3, :3] @ one.object.corners.mean(axis=0) + one.pose[:3, 3]
     above = np.ptp(one.object.corners, axis=0).max() / 2.0 + TEXT_HEIGHT
     place = np.eye(4)
-    place[:3, 3] = top - [0.0, above, 0.0]  # up in the image
+    place[:3, 3] = one.middle - [0.0, above, 0.0]  # up in the image
     made.pose = pose_of(place)
     return made
 
 
 def title(one: Found) -> str:
     """Returns what was found, how probable it is, and how far away, in ASCII."""
-    distance = float(np.linalg.norm(one.pose[:3, 3]))
+    distance = float(np.linalg.norm(one.middle))
     return f"{to_ascii(one.object.name, 40)} {one.probability:.2f}: {distance:.2f} m"

@@ -22,7 +22,7 @@ def draw_objects(bgr: np.ndarray, found: Sequence[Found], looks: Sequence[Look])
         looks: How each of them looks, with colors.
     """
     before = bgr.copy()
-    far_to_near = sorted(range(len(found)), key=lambda number: -found[number].pose[2, 3])
+    far_to_near = sorted(range(len(found)), key=lambda number: -found[number].middle[2])
     for number in far_to_near:
         look = looks[number]
         x, y, width, height = look.box

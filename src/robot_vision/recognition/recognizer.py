@@ -106,8 +106,7 @@ class Recognizer:
         if self._of_pairs and depth is not None:
             there = self._pairs.match(self._frame)
             there = _within(_renumbered(there, self._of_pairs), mask)
-            near, far = self._span
-            candidates += [one for one in there if near <= one.pose[2, 3] <= far]
+            candidates += [one for one in there if self._is_in_range(one.model, one.pose)]
         textured = self._textured(bgr, depth, camera, mask)
         candidates += [
             PoseCandidate(index, one.pose, one.score, one.box, 0)
@@ -136,12 +135,12 @@ class Recognizer:
         """Returns what was found by its texture, each with the index of the object."""
         if not self._of_textures:
             return []
+        found = ((self._of_textures[one.model], one) for one in self._textures.match(*seen))
+        return [(index, one) for index, one in found if self._is_in_range(index, one.pose)]
+
+    def _is_in_range(self, index: int, pose: np.ndarray) -> bool:
         near, far = self._span
-        return [
-            (self._of_textures[one.model], one)
-            for one in self._textures.match(*seen)
-            if near <= one.pose[2, 3] <= far
-        ]
+        return bool(near <= self._objects[index].middle_at(pose)[2] <= far)
 
     def _unverified(self, textured: Sequence[Tuple[int, Any]], told: Dict[str, str]) -> List[Found]:
         """Returns what has no mesh that could verify it, and tells what became of it."""
