@@ -1,4 +1,3 @@
-#include <nodelet/nodelet.h>
 #include <robot_vision/CameraConfig.h>
 #include <std_srvs/Empty.h>
 
@@ -20,8 +19,8 @@
 #include "ros/camera/steady_stamps.hpp"
 #include "ros/camera/usb_cam_params.hpp"
 #include "ros/images/advertising_lock.hpp"
-#include "ros/images/callback_gate.hpp"
 #include "ros/images/frame_statistics.hpp"
+#include "ros/images/gated_nodelet.hpp"
 #include "ros/images/registration.hpp"
 #include "ros/params/fields.hpp"
 #include "ros/params/live_params.hpp"
@@ -62,7 +61,7 @@ CameraOutputs::Params loadOutputParams(const ros::NodeHandle& pnh, const Capture
 }  // namespace
 
 /// Publishes the frames of a source (see CaptureParams::source) while somebody subscribes.
-class CameraNodelet : public nodelet::Nodelet, private CaptureListener
+class CameraNodelet : public GatedNodelet, private CaptureListener
 {
 public:
   using EndCallback = std::function<void(int)>;
@@ -72,22 +71,7 @@ public:
   ~CameraNodelet() override { stop(); }
 
 private:
-  void onInit() override
-  try
-  {
-    gate_.guard(getNodeHandle());
-    gate_.guard(getPrivateNodeHandle());
-    // The manager's other threads call what has come already.
-    gate_.between()([this] { begin(); });
-  }
-  catch (const std::exception& e)
-  {
-    NODELET_FATAL("%s: %s", getName().c_str(), logLine(e.what()).c_str());
-    stop();  // here, because the loader destroys the callback queues before the nodelet
-    throw;   // so that the loader reports a failure instead of keeping a dead nodelet
-  }
-
-  void begin()
+  void begin() final
   {
     const AdvertisingLock advertising;
     ros::NodeHandle& pnh = getPrivateNodeHandle();
@@ -137,7 +121,7 @@ private:
     return true;
   }
 
-  void stop()
+  void stop() final
   {
     registration_.reset();
     gate_.close();
@@ -238,7 +222,6 @@ private:
     if (on_end_) on_end_(good ? 0 : 1);
   }
 
-  CallbackGate gate_;  // must be destroyed last, because roscpp uses its queues
   EndCallback on_end_;
   bool always_wanted_ = false;
   std::atomic<bool> stopped_{false};  // by ~stop_capture or by create_suspended

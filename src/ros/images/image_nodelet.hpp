@@ -1,15 +1,12 @@
 #pragma once
 
-#include <nodelet/nodelet.h>
-
 #include <memory>
 
 #include "advertising_lock.hpp"
-#include "callback_gate.hpp"
+#include "gated_nodelet.hpp"
 #include "lazy_image_input.hpp"
 #include "lazy_outputs.hpp"
 #include "registration.hpp"
-#include "robot_vision/common/printable.hpp"
 #include "ros/params/live_params.hpp"
 #include "ros/params/unknown_params.hpp"
 
@@ -30,28 +27,13 @@ namespace robot_vision
 /// calls these functions, and the callbacks of both handles, one after the other. `Input` may be another one with
 /// LazyImageInput's functions: process() takes what it gives, and the outputs, and returns what it wants.
 template <class Config, class Work, class Input = LazyImageInput>
-class ImageNodelet : public nodelet::Nodelet
+class ImageNodelet : public GatedNodelet
 {
 public:
   ~ImageNodelet() override { stop(); }
 
 private:
-  void onInit() override
-  try
-  {
-    gate_.guard(getNodeHandle());
-    gate_.guard(getPrivateNodeHandle());
-    // The manager's other threads call what has come already.
-    gate_.between()([this] { begin(); });
-  }
-  catch (const std::exception& e)
-  {
-    NODELET_FATAL("%s: %s", getName().c_str(), logLine(e.what()).c_str());
-    stop();  // here, because the loader destroys the callback queues before the nodelet
-    throw;   // so that the loader reports a failure instead of keeping a dead nodelet
-  }
-
-  void begin()
+  void begin() final
   {
     const AdvertisingLock advertising;
     work_ = std::make_unique<Work>(getNodeHandle(), getPrivateNodeHandle());
@@ -80,7 +62,7 @@ private:
   {
   }
 
-  void stop()
+  void stop() final
   {
     registration_.reset();
     gate_.close();
@@ -91,7 +73,6 @@ private:
     work_.reset();
   }
 
-  CallbackGate gate_;  // must be destroyed last, because roscpp uses its queues
   std::unique_ptr<Work> work_;
   std::unique_ptr<LiveParams<Config>> params_;
   std::unique_ptr<LazyOutputs> outputs_;
