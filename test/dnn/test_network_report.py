@@ -3,6 +3,7 @@
 import pytest
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
+from still_clock import StillClock
 
 from robot_vision.dnn import network_report
 from robot_vision.dnn.network_report import NetworkReport
@@ -70,17 +71,8 @@ def test_what_fails_because_the_node_ends_is_not_logged(report, logged, monkeypa
     assert logged == []
 
 
-class Clock:
-    """Takes the place of the module time."""
-
-    now = 1000.0  # s
-
-    def monotonic(self):
-        return self.now
-
-
 def test_a_run_that_does_not_end_is_told(report, monkeypatch):
-    clock = Clock()
+    clock = StillClock()
     monkeypatch.setattr(network_report, "time", clock)
     report.add_run(0.2)
     with report.running():
@@ -92,7 +84,7 @@ def test_a_run_that_does_not_end_is_told(report, monkeypatch):
 
 
 def test_a_network_that_is_always_slow_is_not_slower_than_it_is(report, monkeypatch):
-    clock = Clock()
+    clock = StillClock()
     monkeypatch.setattr(network_report, "time", clock)
     report.add_run(2.0)
     with report.running():

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from std_msgs.msg import Header
+from still_clock import StillClock
 
 import robot_vision as rv
 from robot_vision.recognition import recognition_markers
@@ -174,17 +175,8 @@ def test_markers_have_the_mesh_that_an_object_has_now():
         assert np.allclose(np.ptp(corners, axis=0), rv.mesh_extent(mesh).size, atol=0.01)
 
 
-class Clock:
-    """Takes the place of the module time."""
-
-    now = 1000.0  # s
-
-    def monotonic(self):
-        return self.now
-
-
 def test_markers_stay_until_the_next_image(monkeypatch):
-    clock = Clock()
+    clock = StillClock()
     monkeypatch.setattr(recognition_markers, "time", clock)
     known = KnownObject("id", "thing", rv.sample_mesh("nut").mesh, None, None, np.ones((8, 3)), {})
     markers, lives = ObjectMarkers(), []

@@ -5,6 +5,7 @@ import threading
 import time
 
 import pytest
+from still_clock import StillClock
 
 from robot_vision.ros import frame_calls
 from robot_vision.ros.frame_calls import FrameCalls
@@ -62,17 +63,8 @@ def test_a_call_does_not_get_a_frame_that_may_have_been_on_its_way(calls, begin,
     assert call.result(TIMEOUT) == "new"
 
 
-class Clock:
-    """Takes the place of the module time."""
-
-    now = 1000.0  # s
-
-    def monotonic(self):
-        return self.now
-
-
 def test_a_call_is_late_by_the_time_in_which_no_frame_is_processed(monkeypatch):
-    clock = Clock()
+    clock = StillClock()
     monkeypatch.setattr(frame_calls, "time", clock)
     calls = FrameCalls(Node())
     with calls.processing():  # of a frame from before the call
