@@ -186,13 +186,13 @@ def test_the_answer_of_one_tracker_is_not_that_of_another(page, play):
     """Neither what it says late, nor what was to be set meanwhile."""
     tracker, answered = Tracker(play, "/other"), threading.Event()
     tracker.all_values["/other"]["s_low"] = 90
-    use, set_values = (tracker.played.answers[name] for name in ("use_color", "set_parameters"))
+    use = tracker.played.answers["use_color"]
 
     def late(session, fields):
         answered.wait(support.DEADLINE)
         return use(session, fields)
 
-    tracker.played.answers.update(use_color=late, set_parameters=set_values)
+    tracker.played.answers["use_color"] = late
     open_tool(page, "color")
     page.wait(f"{LIMIT} === '50'")
     raise_limit(page)

@@ -43,8 +43,11 @@ class ObjectNumbers:
     def _age(self) -> None:
         """Counts an image, and forgets what has not been seen for too many of them."""
         for label, known in list(self._known.items()):
-            aged = {number: one._replace(unseen=one.unseen + 1) for number, one in known.items()}
-            self._known[label] = {n: one for n, one in aged.items() if one.unseen <= KEPT}
+            self._known[label] = {
+                number: _Numbered(one.place, one.unseen + 1)
+                for number, one in known.items()
+                if one.unseen < KEPT
+            }
             if not self._known[label]:
                 del self._known[label]
 
