@@ -59,6 +59,30 @@ private:
   int level_ = 0;
 };
 
+/// Gives JPEGs with their numbers, of which the second one is damaged.
+class Jpegs : public FrameSource
+{
+public:
+  ReadResult read(Frame& frame) override
+  {
+    Bytes jpeg = jpegOf(noise({64, 48}, CV_8UC3));
+    if (next_ == 1) jpeg.erase(jpeg.end() - 200, jpeg.end() - 2);
+    stream_ = rowOf(jpeg);
+    frame.image = stream_;
+    frame.encoding = "jpeg";
+    frame.sequence = next_++;
+    return ReadResult::kFrame;
+  }
+
+  double rate() const override { return 25.0; }
+  bool fillsMemory() const override { return false; }
+  std::string description() const override { return "jpegs"; }
+
+private:
+  cv::Mat stream_;
+  int next_ = 0;
+};
+
 Frame divided(const cv::Mat& image, const std::string& encoding, WantedViews wanted = {})
 {
   SideBySideSource source(std::make_unique<OneImage>(image, encoding));
@@ -173,6 +197,20 @@ TEST(SideBySide, makesOnlyTheHalvesThatAreWanted)
   const Frame left = divided(image, "bgr8", {true, false}), right = divided(image, "bgr8", {false, true});
   EXPECT_TRUE(equal(left.image, leftOf(image)) && left.second.pixels.empty());
   EXPECT_TRUE(equal(right.second.pixels, rightOf(image)) && right.image.empty());
+}
+
+TEST(SideBySide, countsNoDamagedFrameAsLostAsWell)
+{
+  SideBySideSource source(std::make_unique<Jpegs>());
+  Frame frame;
+  ASSERT_EQ(source.read(frame), ReadResult::kFrame);
+  EXPECT_EQ(frame.sequence, 0);
+  EXPECT_NE(refusal([&] { source.read(frame); }), "");
+  for (int expected = 1; expected < 3; ++expected)
+  {
+    ASSERT_EQ(source.read(frame), ReadResult::kFrame);
+    EXPECT_EQ(frame.sequence, expected);
+  }
 }
 
 TEST(SideBySide, keepsAllElseOfTheSource)

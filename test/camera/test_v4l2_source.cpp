@@ -52,6 +52,31 @@ TEST(V4l2Source, countsLostFramesAndRefusesDamagedOnes)
   EXPECT_EQ(frame.sequence, 5);  // the damaged frame does not count as lost as well
 }
 
+TEST(V4l2Source, givesTheNewestFrameToAReaderThatIsTooSlow)
+{
+  FakeCamera camera;
+  V4l2Source source(camera.plug(), CaptureParams());
+  Frame frame;
+  const auto read = [&]
+  {
+    EXPECT_EQ(source.read(frame), ReadResult::kFrame);
+    EXPECT_EQ(cv::countNonZero(frame.image.reshape(1) != frame.sequence), 0);
+    return frame.sequence;
+  };
+  EXPECT_EQ(read(), 0);
+  camera.waiting = 3;  // a delay that the driver's buffers can hold
+  EXPECT_EQ(read(), 1);
+  EXPECT_EQ(read(), 2);
+  camera.lost = 2;  // there was no buffer for two frames before these
+  camera.waiting = 3;
+  EXPECT_EQ(read(), 7);
+  camera.waiting = 2;  // the reader is still too slow, but no frame is lost before these
+  EXPECT_EQ(read(), 9);
+  EXPECT_EQ(read(), 10);  // it had to wait for this one
+  camera.waiting = 2;
+  EXPECT_EQ(read(), 11);
+}
+
 TEST(V4l2Source, refusesFramesThatAreCutShort)
 {
   FakeCamera camera;

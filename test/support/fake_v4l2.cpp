@@ -56,6 +56,7 @@ public:
   bool waitReadable(int milliseconds) override
   {
     if (!camera_.plugged) return true;  // for a lost device poll() returns POLLERR | POLLHUP
+    if (milliseconds == 0) return hasFrame() && camera_.waiting > 0;
     const auto wait = std::chrono::milliseconds(milliseconds);
     const auto until_frame = hasFrame() ? next_frame_ - Clock::now() : Clock::duration(wait);
     if (until_frame > Clock::duration::zero())
@@ -264,6 +265,7 @@ private:
     if (!hasFrame()) return EAGAIN;
     camera_.sequence += camera_.lost;
     camera_.lost = 0;
+    if (camera_.waiting > 0) --camera_.waiting;
     next_frame_ = Clock::now() + camera_.frame_time;
     answer.index = queued_.front();
     queued_.pop_front();

@@ -80,6 +80,7 @@ struct FakeCamera
   bool exclusive = false;         // it cannot be opened twice at a time
   bool repeats_controls = false;  // it begins again after the last one
   bool stalled = false;
+  unsigned waiting = 0;                             // the number of frames that are there before they are waited for
   std::chrono::milliseconds frame_time{0};          // how long a frame takes
   std::map<unsigned long, std::deque<int>> faults;  // request -> the errnos of its next calls, 0 for success
   unsigned damaged = 0;                             // the number of next frames that are marked as damaged

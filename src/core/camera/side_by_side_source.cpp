@@ -60,7 +60,16 @@ ReadResult SideBySideSource::read(Frame& frame)
   const ReadResult result = frames_->read(frame);
   if (result != ReadResult::kFrame) return result;
   if (frames_->fillsMemory()) memory_ = frame.image;
-  divide(frame);
+  try
+  {
+    divide(frame);
+  }
+  catch (const std::invalid_argument&)
+  {
+    ++refused_;  // whose number is taken out of the sequence, so that it does not count as lost as well
+    throw;
+  }
+  frame.sequence -= refused_;
   return result;
 }
 

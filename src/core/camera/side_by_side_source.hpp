@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
@@ -35,6 +36,7 @@ private:
   void divide(Frame& frame);
 
   std::unique_ptr<FrameSource> frames_;
+  std::int64_t refused_ = 0;       // number of frames that could not be divided
   cv::Mat memory_;                 // for a source that fills what it is given
   cv::Mat decoded_;                // the pixels of a JPEG
   std::array<cv::Mat, 2> halves_;  // that share no pixels with the frame

@@ -71,6 +71,7 @@ void V4l2Source::start()
   device_->call(VIDIOC_STREAMON, &type, "VIDIOC_STREAMON");
   streaming_ = true;
   first_sequence_ = -1;
+  behind_ = false;
 }
 
 void V4l2Source::mapBuffers()
@@ -98,27 +99,58 @@ void V4l2Source::queue(unsigned index)
 ReadResult V4l2Source::read(Frame& frame)
 {
   if (!streaming_) start();
-  if (held_ >= 0)
+  giveBack();
+  if (!device_->waitReadable(0))
   {
-    const int index = held_;
-    held_ = -1;
-    queue(static_cast<unsigned>(index));
+    behind_ = false;
+    if (!device_->waitReadable(kPollTimeoutMs)) return ReadResult::kTimeout;
   }
-  if (!device_->waitReadable(kPollTimeoutMs)) return ReadResult::kTimeout;
-
-  v4l2_buffer filled = captureBuffer();
-  const int error = device_->tryCall(VIDIOC_DQBUF, &filled);
-  if (error == EAGAIN) return ReadResult::kTimeout;
-  if (error != 0) device_->fail("VIDIOC_DQBUF", error);
-  if (filled.index >= buffers_.size()) device_->fail("VIDIOC_DQBUF", ERANGE);
-  filled.bytesused = static_cast<std::uint32_t>(std::min<std::size_t>(filled.bytesused, buffers_[filled.index].length));
-  held_ = static_cast<int>(filled.index);
+  v4l2_buffer filled;
+  if (!dequeueNewest(filled)) return ReadResult::kTimeout;
   if (!take(filled, frame)) return ReadResult::kNoImage;
   if (first_sequence_ < 0) first_sequence_ = filled.sequence;
   frame.encoding = mode_.format->encoding;
   frame.sequence = static_cast<std::uint32_t>(filled.sequence - first_sequence_);  // the driver's counter wraps
   frame.monotonic_ns = monotonicStamp(filled);
   return ReadResult::kFrame;
+}
+
+/// Gives the buffer of the last frame back to the driver.
+void V4l2Source::giveBack()
+{
+  if (held_ < 0) return;
+  const int index = held_;
+  held_ = -1;
+  queue(static_cast<unsigned>(index));
+}
+
+/// Takes the oldest filled buffer from the driver; returns false if there is none after all.
+bool V4l2Source::dequeue(v4l2_buffer& filled)
+{
+  filled = captureBuffer();
+  const int error = device_->tryCall(VIDIOC_DQBUF, &filled);
+  if (error == EAGAIN) return false;
+  if (error != 0) device_->fail("VIDIOC_DQBUF", error);
+  if (filled.index >= buffers_.size()) device_->fail("VIDIOC_DQBUF", ERANGE);
+  filled.bytesused = static_cast<std::uint32_t>(std::min<std::size_t>(filled.bytesused, buffers_[filled.index].length));
+  held_ = static_cast<int>(filled.index);
+  return true;
+}
+
+/// Takes the oldest filled buffer, so that a short delay loses no frame, but the newest one while the reader is slower
+/// than the camera: frames are lost then in any case, and the oldest would always be as old as the queue is long. A
+/// decoder needs all frames.
+bool V4l2Source::dequeueNewest(v4l2_buffer& filled)
+{
+  if (!dequeue(filled)) return false;
+  if (first_sequence_ >= 0 && filled.sequence != next_sequence_) behind_ = true;
+  for (std::size_t i = 1; behind_ && !decoder_ && i < buffers_.size() && device_->waitReadable(0); ++i)
+  {
+    giveBack();
+    if (!dequeue(filled)) return false;
+  }
+  next_sequence_ = filled.sequence + 1;
+  return true;
 }
 
 /// Makes the frame's image from a filled buffer; returns false if the decoder has no image yet.

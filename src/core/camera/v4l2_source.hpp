@@ -43,6 +43,9 @@ private:
   void start();
   void mapBuffers();
   void queue(unsigned index);
+  void giveBack();
+  bool dequeue(v4l2_buffer& filled);
+  bool dequeueNewest(v4l2_buffer& filled);
   bool take(const v4l2_buffer& filled, Frame& frame);
   [[noreturn]] void refuse(const v4l2_buffer& filled, const std::string& reason);
 
@@ -55,6 +58,8 @@ private:
   bool streaming_ = false;
   std::vector<Buffer> buffers_;
   int held_ = -1;                     // index of the buffer that the last frame points into
+  std::uint32_t next_sequence_ = 0;   // the driver's number of the frame after the last one
+  bool behind_ = false;               // whether frames were lost and no read() has had to wait for one since
   std::int64_t first_sequence_ = -1;  // the driver's number of our frame 0 plus the number of refused frames
 };
 

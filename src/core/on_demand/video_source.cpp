@@ -64,13 +64,33 @@ void VideoSource::open()
 
 ReadResult VideoSource::read(Frame& frame)
 {
-  if (!grabbed_ && !capture_.grab()) return endOrThrow();
-  grabbed_ = false;
+  if (live_) return readNewest(frame);
+  if (!grab()) return endOrThrow();
   if (!capture_.retrieve(frame.image)) throw std::invalid_argument(shown_ + ": a frame cannot be decoded");
   frame.encoding = "bgr8";
   frame.sequence = sequence_++;
   ++played_;
   end_s_ = capture_.get(cv::CAP_PROP_POS_MSEC) / 1e3 + 1.0 / rate_;
+  return ReadResult::kFrame;
+}
+
+ReadResult VideoSource::readNewest(Frame& frame)
+{
+  if (!frames_)
+    frames_ = std::make_unique<LiveFrames>([this] { return grab(); },
+                                           [this](cv::Mat& image) { return capture_.retrieve(image); });
+  try
+  {
+    if (!frames_->take(newest_)) return endOrThrow();
+  }
+  catch (const std::invalid_argument& e)
+  {
+    throw std::invalid_argument(shown_ + ": " + e.what());
+  }
+  frame.image = newest_.image;
+  frame.encoding = "bgr8";
+  frame.sequence = newest_.sequence;
+  frame.monotonic_ns = newest_.monotonic_ns;
   return ReadResult::kFrame;
 }
 

@@ -1,13 +1,18 @@
 #pragma once
 
+#include <memory>
 #include <opencv2/videoio.hpp>
+#include <string>
+#include <utility>
 
+#include "core/camera/live_frames.hpp"
 #include "robot_vision/camera/frame_source.hpp"
 
 namespace robot_vision
 {
 
-/// Reads a video file or a stream's URL with FFmpeg through OpenCV.
+/// Reads a video file or a stream's URL with FFmpeg through OpenCV. Of a file it gives each frame, of a live stream the
+/// newest.
 class VideoSource : public FrameSource
 {
 public:
@@ -16,10 +21,13 @@ public:
   ReadResult read(Frame& frame) override;
   void rewind() override;
   double rate() const override { return live_ ? 0.0 : rate_; }
+  bool fillsMemory() const override { return !live_; }
   std::string description() const override;
 
 private:
   void open();
+  bool grab() { return std::exchange(grabbed_, false) || capture_.grab(); }
+  ReadResult readNewest(Frame& frame);
   ReadResult endOrThrow() const;
 
   std::string path_;
@@ -34,6 +42,8 @@ private:
   std::int64_t sequence_ = 0;
   cv::VideoCapture capture_;
   bool grabbed_ = false;  // the first frame is grabbed on opening, because FFmpeg opens files that it cannot decode
+  LiveFrame newest_;      // of a live stream, as is the thread that reads it
+  std::unique_ptr<LiveFrames> frames_;
 };
 
 }  // namespace robot_vision
