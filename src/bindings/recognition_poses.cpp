@@ -39,6 +39,7 @@ void bindShapes(py::module& m)
            "multiples of 360 / fold degrees, or with a fold of 0 by any angle, that show the same.\n\n"
            "Raises ValueError for what no mesh and no symmetries can have.")
       .def_property_readonly("extent", &ObjectShape::extent, "the MeshExtent")
+      .def_property_readonly("renderer", &ObjectShape::renderer, "the MeshRenderer that draws it")
       .def_property_readonly("has_colors", &ObjectShape::hasColors, "whether its colors tell it from others");
 }
 

@@ -18,7 +18,7 @@ def thing(place, name="coke", turn=0.0):
     pose = np.eye(4)
     pose[:2, :2] = [[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]
     pose[:3, 3] = np.asarray(place) - pose[:3, :3] @ CORNERS.mean(axis=0)
-    known = KnownObject("id", name, None, None, None, CORNERS, {})
+    known = KnownObject("id", name, None, None, CORNERS, {})
     return Found(known, pose, np.eye(6), 0.9)
 
 

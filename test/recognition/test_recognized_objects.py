@@ -164,7 +164,7 @@ def test_markers_have_the_mesh_that_an_object_has_now():
     meshes = [rv.sample_mesh(name).mesh for name in ("mug", "nut")]
     markers, made = ObjectMarkers(), []
     for mesh in (meshes[0], meshes[0], meshes[1]):
-        known = KnownObject("id", "thing", mesh, None, None, np.zeros((8, 3)), {})
+        known = KnownObject("id", "thing", mesh, None, np.zeros((8, 3)), {})
         found = [Found(known, np.eye(4), np.eye(6), 1.0)]
         shape, text = markers.of(Header(frame_id="eye"), found).markers
         assert shape.header.frame_id == text.header.frame_id == "eye"
@@ -178,7 +178,7 @@ def test_markers_have_the_mesh_that_an_object_has_now():
 def test_markers_stay_until_the_next_image(monkeypatch):
     clock = StillClock()
     monkeypatch.setattr(recognition_markers, "time", clock)
-    known = KnownObject("id", "thing", rv.sample_mesh("nut").mesh, None, None, np.ones((8, 3)), {})
+    known = KnownObject("id", "thing", rv.sample_mesh("nut").mesh, None, np.ones((8, 3)), {})
     markers, lives = ObjectMarkers(), []
     for seconds in (0.03, 0.03, 1.5, 600.0):
         clock.now += seconds
@@ -191,7 +191,7 @@ def test_markers_of_objects_that_are_gone_are_not_kept(monkeypatch):
     monkeypatch.setattr(recognition_markers, "MAX_SHAPES", 3)
     mesh, markers = rv.sample_mesh("nut").mesh, ObjectMarkers()
     for number in range(10):
-        known = KnownObject(str(number), "thing", mesh, None, None, np.zeros((8, 3)), {})
+        known = KnownObject(str(number), "thing", mesh, None, np.zeros((8, 3)), {})
         assert markers.of(Header(), [Found(known, np.eye(4), np.eye(6), 1.0)]).markers
     assert len(markers._shapes) <= 3
 
@@ -199,7 +199,7 @@ def test_markers_of_objects_that_are_gone_are_not_kept(monkeypatch):
 def test_the_distance_of_an_object_is_that_of_its_middle():
     """Not of the origin of its mesh, which may be anywhere."""
     corners = np.full((8, 3), (0.0, 0.0, 0.5))
-    known = KnownObject("id", "thing", None, None, None, corners, {})
+    known = KnownObject("id", "thing", None, None, corners, {})
     pose = np.diag([1.0, -1.0, -1.0, 1.0])
     pose[2, 3] = 1.5
     assert title(Found(known, pose, np.eye(6), 0.9)) == "thing 0.90: 1.00 m"
@@ -207,7 +207,7 @@ def test_the_distance_of_an_object_is_that_of_its_middle():
 
 def test_the_range_of_distances_is_that_of_the_middle(shape):
     corners = np.full((8, 3), (0.0, 0.0, 0.8))
-    known = KnownObject("id", "part", None, None, shape, corners, {})
+    known = KnownObject("id", "part", None, shape, corners, {})
     params = RecognitionParams.defaults()
     assert (params.match.min_distance, params.match.max_distance) == (0.3, 3.0)
     recognizer, pose = Recognizer([known], params), np.eye(4)

@@ -20,6 +20,7 @@ from robot_vision.recognition.database import (
     Object,
     Observation,
     Session,
+    Symmetry,
 )
 from robot_vision.recognition.known_objects import load_objects
 from robot_vision.recognition.mesh_data import pack_mesh
@@ -272,6 +273,48 @@ def test_names_that_are_not_there_leave_the_others(run, path, mesh):
     assert (alone.objects, alone.problem) == ([], f"there is no object 'nothing' in {path}")
 
 
+def test_an_object_is_kept_until_something_of_it_changes(run, path, mesh):
+    """Also while others are added, trained, observed and deleted."""
+    tea = add(path, "tea", mesh)
+    assert run()[0] == 0
+    (first,) = load_objects(path, [], ["TOD"]).objects
+
+    def kept():
+        loaded = load_objects(path, [], ["TOD"], [first])
+        return [one is first for one in loaded.objects if one.id == tea.id], loaded.lacks
+
+    cup = add(path, "cup", mesh)
+    observe(path, cup, mesh, 10)
+    assert run()[0] == 0
+    assert kept() == ([True], [])
+    observe(path, tea, mesh, 10)
+    assert kept() == ([True], ["'tea' has changed since TOD has learned it: training does it"])
+    assert run()[0] == 0
+    assert kept() == ([False], [])
+
+
+@pytest.mark.parametrize("change", ["name", "mesh", "symmetries", "model"])
+def test_an_object_is_loaded_anew_if_it_has_changed(run, path, mesh, change):
+    tea = add(path, "tea", mesh)
+    assert run()[0] == 0
+    before = load_objects(path, [], ["TOD"]).objects
+    with contextlib.closing(sqlite3.connect(path)) as file, file:
+        if change == "name":
+            file.execute("UPDATE objects SET name = 'coffee'")
+        elif change == "model":
+            file.execute("UPDATE models SET key = ?", ("0" * 64,))
+    with Database(path, write=True) as database, database.transaction():
+        if change == "mesh":
+            database.meshes.set(tea.id, Mesh("a.ply", b"", pack_mesh(box(2.0 * SIZE, 6))))
+        elif change == "symmetries":
+            turns = [Symmetry((0.0, 1.0, 0.0), 2)]
+            database.meshes.set(tea.id, Mesh("a.ply", b"", pack_mesh(mesh), symmetries=turns))
+    (after,) = load_objects(path, [], ["TOD"], before).objects
+    assert after is not before[0] and after.id == before[0].id
+    assert (after.name == "coffee") == (change == "name")
+    assert (after.corners.max() > 0.1) == (change == "mesh")
+
+
 ODD = {  # values of columns, and what is said of them
     "models.parameters": [
         ("[" * 100000, "parameters is no JSON: it is nested too deeply"),
@@ -368,6 +411,25 @@ def test_objects_are_loaded_anew_only_if_they_or_the_choice_have_changed(
     add(path, "cup", mesh)
     assert source.recognizer() is not None and len(loads) == 3
     assert source.reload() == (True, "tea") and len(loads) == 4
+
+
+def test_matchers_are_kept_until_something_of_theirs_changes(run, path, mesh, source_of):
+    add(path, "tea", mesh)
+    assert run()[0] == 0
+    params = [RecognitionParams.defaults() for _ in range(3)]
+    params[1].decision.threshold = 0.9
+    params[2].textures.texture_ratio = 0.5
+    settings = [settings_with(params=params[0])]
+    source, _ = source_of(lambda: settings[0], ["TOD"])
+    matchers = []
+    for one in (*params, params[2]):
+        settings[0] = settings_with(params=one)
+        matchers.append(source.recognizer()._textures)
+        add(path, "cup", mesh)  # which nothing has learned
+    assert matchers[1] is matchers[0] and matchers[2] is not matchers[1]
+    assert matchers[3] is matchers[2]
+    assert run()[0] == 0
+    assert source.recognizer()._textures is not matchers[3]
 
 
 def test_objects_that_could_not_be_loaded_are_tried_again(run, path, mesh, source_of, monkeypatch):

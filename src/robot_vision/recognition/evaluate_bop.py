@@ -8,7 +8,7 @@ from typing import Dict, Iterator, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
-from .. import CameraModel, MeshRenderer, ObjectShape, ViewParams
+from .. import CameraModel, ObjectShape, ViewParams
 from ..common.arguments import command_parser
 from ..common.commands import run_command
 from ..common.errors import about
@@ -129,7 +129,7 @@ def _models(folder: str) -> Dict[int, _Model]:
         while training.done < training.total:
             training.step()
         symmetries = [(tuple(one.axis), one.fold) for one in stored.symmetries]
-        made = (mesh, MeshRenderer(mesh), ObjectShape(mesh, symmetries), corners_of(mesh))
+        made = (mesh, ObjectShape(mesh, symmetries), corners_of(mesh))
         known = KnownObject(str(index), str(index), *made, {VIEWS.name: training.model()})
         points = np.asarray(mesh.vertices, float)
         points = points[:: max(1, len(points) // POINTS)]

@@ -1,11 +1,12 @@
 """Objects as a node knows them, and what was found of them in an image."""
 
 import json
-from typing import Dict, NamedTuple, Optional, Sequence, Tuple
+import operator
+from typing import Any, Dict, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
-from .. import Mesh, MeshRenderer, ObjectShape
+from .. import Mesh, ObjectShape
 
 
 class KnownObject(NamedTuple):
@@ -15,26 +16,32 @@ class KnownObject(NamedTuple):
         id: Its id in the database.
         name: Its name.
         mesh: Its mesh, m.
-        renderer: What draws the mesh.
-        shape: What poses are refined and verified by.
+        shape: What poses are refined and verified by, and what draws the mesh.
         corners: (8, 3), m, the corners of the box around the mesh, in the mesh's frame.
         models: What was learned of it, by the names of methods.
         is_box: Whether it has no mesh: there is only a box around what was learned, which says
             nothing of whether it is there.
+        made_of: Names and hashes of all that it was made of: what has the same is the same.
+            Empty: some of it could not be used.
     """
 
     id: str
     name: str
     mesh: Mesh
-    renderer: MeshRenderer
     shape: ObjectShape
     corners: np.ndarray
     models: Dict[str, bytes]
     is_box: bool = False
+    made_of: Tuple[Any, ...] = ()
 
     def middle_at(self, pose: np.ndarray) -> np.ndarray:
         """Returns where the middle of the box around it is in a pose, (3,), m."""
         return pose[:3, :3] @ self.corners.mean(axis=0) + pose[:3, 3]
+
+
+def are_same(objects: Sequence[KnownObject], others: Sequence[KnownObject]) -> bool:
+    """Returns whether two sequences have the same objects, not only equal ones."""
+    return len(objects) == len(others) and all(map(operator.is_, objects, others))
 
 
 class Found(NamedTuple):

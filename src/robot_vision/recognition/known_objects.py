@@ -1,13 +1,15 @@
 """The objects that a node is to recognize, loaded from the database."""
 
 import itertools
-from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
-from .. import Mesh, MeshRenderer, ObjectShape
+from .. import Mesh, ObjectShape
 from ..meshes import mesh_extent
 from .database import Database, Object
+from .database.meshes import MeshEntry, to_json
+from .database.models import ModelEntry
 from .found import KnownObject
 from .mesh_data import unpack_mesh
 from .methods import Method, method_of
@@ -37,20 +39,27 @@ class _Part(NamedTuple):
     failures: List[str]  # what of it cannot be used
 
 
-def load_objects(path: str, chosen: Sequence[str], methods: Sequence[str]) -> Loaded:
+def load_objects(
+    path: str,
+    chosen: Sequence[str],
+    methods: Sequence[str],
+    before: Sequence[KnownObject] = (),
+) -> Loaded:
     """Loads objects, and what was learned of them.
 
     Args:
         path: The database.
         chosen: Ids and names; none: all objects.
         methods: The names of the methods; none: only tables are looked for, and nothing is loaded.
+        before: What was loaded before, of which those are taken that have not changed.
     """
     if not methods:
         return Loaded([], [], "")
     try:
         with Database(path) as database:
             there, failures = _choose(database, chosen)
-            parts = [_load(database, one, methods) for one in there]
+            known = {one.id: one for one in before}
+            parts = [_load(database, one, methods, known.get(one.id)) for one in there]
     except (OSError, ValueError) as error:
         return Loaded([], [], str(error))
     objects = [part.known for part in parts if part.known is not None]
@@ -84,47 +93,97 @@ def _choose(database: Database, chosen: Sequence[str]) -> Tuple[List[Object], Li
     return list(there.values()), failures
 
 
-def _load(database: Database, one: Object, methods: Sequence[str]) -> _Part:
+def _load(
+    database: Database, one: Object, methods: Sequence[str], before: Optional[KnownObject]
+) -> _Part:
     """Returns an object with those of its models that can be used, which may come from others."""
-    models: Dict[str, bytes] = {}
     part = _Part(None, [], [])
-    for name in methods:
-        try:
-            lack = _load_model(database, one, method_of(name), models)
-            part.lacks.extend([lack] if lack else [])
-        except ValueError as error:
-            part.failures.append(f"'{one.name}' is not recognized by {name}: {error}")
-    if not models:
-        return part
+    entries = _entries(database, one, methods, part)
     try:
-        return part._replace(known=_known(database, one, models))
+        mesh = database.meshes.entry(one.id)
+        made_of = _made_of(one, mesh, entries)
+        if before is not None and before.made_of == made_of:
+            return part._replace(known=before)
+        models = _models(database, one, entries, part)
+        if models:
+            made_of = made_of if len(models) == len(entries) else ()
+            part = part._replace(known=_known(database, one, mesh, models, made_of))
     except ValueError as error:
         part.failures.append(f"'{one.name}' is not recognized: {error}")
-        return part
+    return part
 
 
-def _load_model(database: Database, one: Object, method: Method, models: Dict[str, bytes]) -> str:
-    """Adds what a method has learned of an object to its models; returns what it lacks, or ""."""
-    model = database.models.of(one.id, method.name)
-    if model is None:
+def _entries(
+    database: Database, one: Object, methods: Sequence[str], part: _Part
+) -> List[ModelEntry]:
+    """Returns what methods have learned of an object, and adds what there is to tell of it."""
+    entries = []
+    for name in methods:
+        try:
+            entry = database.models.entry(one.id, name)
+            lack = _lack(database, one, method_of(name), entry)
+        except ValueError as error:
+            part.failures.append(_unusable(one, name, error))
+            continue
+        part.lacks.extend([lack] if lack else [])
+        entries += [] if entry is None else [entry]
+    return entries
+
+
+def _lack(database: Database, one: Object, method: Method, entry: Optional[ModelEntry]) -> str:
+    """Returns what there is to warn of what a method has learned of an object, or ""."""
+    if entry is None:
         return f"'{one.name}' was not learned by {method.name}: training does it"
-    method.check_model(model.data)
-    task = task_of(database, one, method, model.parameters)
-    models[method.name] = model.data
-    if task is None or task.key == model.key:
+    task = task_of(database, one, method, entry.parameters)
+    if task is None or task.key == entry.key:
         return ""
     return f"'{one.name}' has changed since {method.name} has learned it: training does it"
 
 
-def _known(database: Database, one: Object, models: Dict[str, bytes]) -> KnownObject:
-    entry = database.meshes.entry(one.id)
+def _models(
+    database: Database, one: Object, entries: Sequence[ModelEntry], part: _Part
+) -> Dict[str, bytes]:
+    """Returns those of an object's models that can be used, and adds why others cannot."""
+    models: Dict[str, bytes] = {}
+    for entry in entries:
+        try:
+            model = database.models.of(one.id, entry.method)
+            if model is not None:
+                method_of(entry.method).check_model(model.data)
+                models[entry.method] = model.data
+        except ValueError as error:
+            part.failures.append(_unusable(one, entry.method, error))
+    return models
+
+
+def _unusable(one: Object, method: str, error: ValueError) -> str:
+    return f"'{one.name}' is not recognized by {method}: {error}"
+
+
+def _made_of(
+    one: Object, mesh: Optional[MeshEntry], entries: Sequence[ModelEntry]
+) -> Tuple[Any, ...]:
+    """Returns the names and hashes of all that a KnownObject is made of."""
+    models = tuple((entry.method, entry.key) for entry in entries)
+    shape = None if mesh is None else (mesh.converted, str(to_json(mesh.symmetries)))
+    return one.name, models, shape
+
+
+def _known(
+    database: Database,
+    one: Object,
+    entry: Optional[MeshEntry],
+    models: Dict[str, bytes],
+    made_of: Tuple[Any, ...],
+) -> KnownObject:
     if entry is None:
         mesh, symmetries = box_around(models), []
     else:
         mesh = unpack_mesh(database.meshes.converted(one.id))
         symmetries = [(tuple(known.axis), known.fold) for known in entry.symmetries]
-    made = mesh, MeshRenderer(mesh), ObjectShape(mesh, symmetries), corners_of(mesh)
-    return KnownObject(one.id, one.name, *made, models, entry is None)
+    shape = ObjectShape(mesh, symmetries)
+    corners = corners_of(mesh)
+    return KnownObject(one.id, one.name, mesh, shape, corners, models, entry is None, made_of)
 
 
 def corners_of(mesh: Mesh) -> np.ndarray:

@@ -27,7 +27,7 @@ class Looks:
         region = _region(one, camera)
         if not region[2] or not region[3]:
             return _nothing()
-        view = one.object.renderer.render(known[1], one.pose, region, bgr=with_colors)
+        view = one.object.shape.renderer.render(known[1], one.pose, region, bgr=with_colors)
         seen = np.isfinite(view.depth).astype(np.uint8)
         x, y, width, height = cv2.boundingRect(seen)
         if not width:

@@ -10,6 +10,7 @@ import rospy
 from ..common.plain_text import brief
 from ..ros.params import read_param
 from .database import Database, default_path
+from .found import are_same
 from .known_objects import Loaded, load_objects
 from .recognition_report import RecognitionReport
 from .recognition_settings import Settings
@@ -78,22 +79,25 @@ class ObjectSource:
     def _load(self, settings: Settings) -> Tuple[bool, str]:
         # The file may change meanwhile. What cannot be read is a problem of the file as it is now.
         stamp = _stamp_of(self.path)
-        self._loaded = load_objects(self.path, settings.objects, self._methods)
+        before = self._loaded.objects
+        self._loaded = load_objects(self.path, settings.objects, self._methods, before)
         self._stamp = stamp
         problem = self._make(settings)
         if problem or not self._loaded.objects:
             return False, problem or "methods names none"
         names = ", ".join(one.name for one in self._loaded.objects)
-        rospy.loginfo("%d objects of %s: %s", len(self._loaded.objects), self.path, names)
+        if not are_same(self._loaded.objects, before):
+            rospy.loginfo("%d objects of %s: %s", len(self._loaded.objects), self.path, names)
         return True, names
 
     def _make(self, settings: Settings) -> str:
         """Makes the recognizer of what was loaded, and returns the reason if there is none."""
-        self._of, self._recognizer = settings, None
+        before, self._of, self._recognizer = self._recognizer, settings, None
         problem = self._loaded.problem
         if self._loaded.objects:
             try:
-                self._recognizer = Recognizer(self._loaded.objects, settings.params)
+                objects = self._loaded.objects
+                self._recognizer = Recognizer(objects, settings.params, before)
             except ValueError as error:
                 problem = str(error)
         self._report.set_problem(problem, self._loaded.lacks)

@@ -1,6 +1,6 @@
 """What recognizes objects in images: matchers that say where they may be, and what verifies it."""
 
-from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from .. import (
     TextureMatchParams,
     VerifierParams,
 )
-from .found import Found, KnownObject, Limits
+from .found import Found, KnownObject, Limits, are_same
 from .pair_method import PAIRS, pair_matcher
 from .texture_method import TEXTURES, texture_matcher
 from .view_method import VIEWS, view_matcher
@@ -46,12 +46,18 @@ class Recognizer:
     Args:
         objects: The objects.
         params: The parameters.
+        before: One that this one replaces, of which it takes the matchers that would be the same.
 
     Raises:
         ValueError: A parameter is out of range, or a model is damaged.
     """
 
-    def __init__(self, objects: Sequence[KnownObject], params: RecognitionParams) -> None:
+    def __init__(
+        self,
+        objects: Sequence[KnownObject],
+        params: RecognitionParams,
+        before: Optional["Recognizer"] = None,
+    ) -> None:
         self._span = params.match.min_distance, params.match.max_distance  # m
         self._objects = list(objects)
         self._titles = _titles(self._objects)
@@ -60,10 +66,13 @@ class Recognizer:
         )
         for one in self._objects:
             self._recognizer.add(one.shape)
-        self._views, self._of_views = view_matcher(self._models(VIEWS.name), params.match)
-        self._pairs, self._of_pairs = pair_matcher(self._models(PAIRS.name), params.pairs)
-        self._textures, self._of_textures = texture_matcher(
-            self._models(TEXTURES.name), params.textures, params.errors
+        can_keep = before is not None and are_same(self._objects, before._objects)
+        kept = before._matchers if can_keep else {}
+        self._matchers: Dict[str, Tuple[Any, ...]] = {}  # of each method, with its parameters
+        self._views, self._of_views = self._matcher(VIEWS.name, kept, view_matcher, params.match)
+        self._pairs, self._of_pairs = self._matcher(PAIRS.name, kept, pair_matcher, params.pairs)
+        self._textures, self._of_textures = self._matcher(
+            TEXTURES.name, kept, texture_matcher, params.textures, params.errors
         )
         self._threshold = params.decision.threshold
         self._frame: Optional[RecognitionFrame] = None
@@ -161,6 +170,16 @@ class Recognizer:
             )
             found += own
         return found
+
+    def _matcher(
+        self, method: str, kept: Dict[str, Tuple[Any, ...]], make: Callable[..., Any], *params: Any
+    ) -> Any:
+        """Returns a matcher of what a method has learned, which may be one that is kept."""
+        made_with, matcher = kept.get(method, (None, None))
+        if made_with != params:
+            matcher = make(self._models(method), *params)
+        self._matchers[method] = params, matcher
+        return matcher
 
     def _models(self, method: str) -> List[Tuple[int, bytes]]:
         return [

@@ -49,6 +49,11 @@ class Models:
         """Returns what is known of an object's models, without reading them."""
         return self._entries("object_id = ?", object_id)
 
+    def entry(self, object_id: str, method: str) -> Optional[ModelEntry]:
+        """Returns what is known of a model without reading it, or None if there is none."""
+        entries = self._entries("object_id = ? AND method = ?", object_id, method)
+        return entries[0] if entries else None
+
     def of(self, object_id: str, method: str) -> Optional[Model]:
         """Returns what a method has learned of an object, or None."""
         return self._model("object_id = ? AND method = ?", (object_id, method))
@@ -79,11 +84,11 @@ class Models:
         row = self._connection.row("SELECT done, state FROM training WHERE key = ?", (key,))
         return (row[0], read_blob(self._connection, row[1])) if row else None
 
-    def _entries(self, condition: str, value: str) -> List[ModelEntry]:
+    def _entries(self, condition: str, *values: str) -> List[ModelEntry]:
         rows = self._connection.rows(
             "SELECT object_id, method, parameters, key, added FROM models "
             f"WHERE {condition} ORDER BY object_id, method",
-            (value,),
+            values,
         )
         return [
             ModelEntry(of, method, self._parameters(parameters), key, added)
