@@ -160,6 +160,8 @@ def test_images_are_rectified_if_the_topic_that_is_used_in_the_end_says_so(tmp_p
     assert with_typed(words, ["_rectified:=false"]) == [*words, rectified, "_rectified:=false"]
     for topic, added in {"/camera/rgb/image_raw": [], "/left/image_rect": [rectified]}.items():
         assert with_typed(words, [f"image:={topic}"]) == [*words, *added, f"image:={topic}"]
+    both = ["image:=/left/image_rect", "depth:=/camera/depth_registered/sw_registered/image_rect"]
+    assert with_typed(words, both) == [*words, rectified, "_depth_rectified:=true", *both]
 
 
 def test_of_tod_and_tabletop(tmp_path):

@@ -107,6 +107,7 @@ class ObjectRecognizer:
     def _configure(self, config: Dict[str, Any]) -> None:
         self._settings = settings_of(config)
         self._depth.set_slop(config["depth_slop"])
+        self._depth.set_rectified(config["depth_rectified"])
         note_connections()  # because /tf may start or stop to count
 
     def _on_idle(self) -> None:

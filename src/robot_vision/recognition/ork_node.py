@@ -49,12 +49,15 @@ def node_words(file: OrkFile) -> List[str]:
 def with_typed(words: Sequence[str], typed: Sequence[str]) -> List[str]:
     """Returns the words of a file and then those that a user has typed, which count more.
 
-    The image that is looked at in the end is rectified if the name of its topic says so, as ORK's.
+    Images that are looked at in the end are rectified if the name of their topic says so, as ORK's.
     """
     both = [*words, *typed]
-    image = [word.partition(":=")[2] for word in both if word.startswith("image:=")][-1]
-    rectified = "rect" in image.rsplit("/", 1)[-1]
-    return [*words, *([parameter_word("rectified", True)] if rectified else []), *typed]
+    rectified = []
+    for name, parameter in {"image": "rectified", "depth": "depth_rectified"}.items():
+        topics = [word.partition(":=")[2] for word in both if word.startswith(f"{name}:=")]
+        if "rect" in topics[-1].rsplit("/", 1)[-1]:
+            rectified.append(parameter_word(parameter, True))
+    return [*words, *rectified, *typed]
 
 
 def parameter_word(name: str, value: Any) -> str:

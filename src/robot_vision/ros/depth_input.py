@@ -65,6 +65,7 @@ class DepthInput:
         self._pairs: DepthPairs = DepthPairs()
         self._of_images: Optional[Tuple[str, Tuple[int, int]]] = None  # frame_id and size
         self._info: Optional[CameraInfo] = None
+        self._rectified = False
         self._first: Optional[float] = None  # s of the monotonic clock, of the first depth
         self._is_missing = False  # whether that was said
         self._missing, self._apart = Throttle(60.0), Throttle(10.0)
@@ -76,6 +77,10 @@ class DepthInput:
     def set_slop(self, slop: float) -> None:
         """Sets by how much the stamps of an image and its depth may differ, in s."""
         self._pairs.slop = slop
+
+    def set_rectified(self, rectified: bool) -> None:
+        """Sets whether depth images are rectified: see camera_model()."""
+        self._rectified = rectified
 
     def offer(self, image: Any, size: Tuple[int, int]) -> None:
         """Takes the next image: anything with a header, and the size in px, (width, height)."""
@@ -135,7 +140,7 @@ class DepthInput:
         info = self._info  # Other threads replace it.
         if info is not None:
             with about(f"camera_info on {self.info_topic}"):
-                return camera_model(info, own)
+                return camera_model(info, own, self._rectified)
         if own == size:
             return None
         sizes = ["{}x{}".format(*one) for one in (own, size)]
