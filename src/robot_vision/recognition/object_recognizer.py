@@ -22,7 +22,7 @@ from ..ros.live_params import LiveParams
 from ..ros.params import read_param, read_prefix
 from ..ros.startup import run_node
 from ..ros.transport import Frame, FrameError, note_connections
-from .found import Found, Limits, Look
+from .found import Found, Limits
 from .looks import Looks
 from .missing_depth import MissingDepth
 from .object_info_service import ObjectInfoService
@@ -51,13 +51,13 @@ ORK_NAMES = {  # of object_recognition_core, which are not private
 
 
 class Seen(NamedTuple):
-    """What was recognized in a frame, and how it looks there."""
+    """What was recognized in a frame."""
 
     frame: Frame
-    depth: Optional[np.ndarray]  # of each pixel of the image
-    camera: CameraModel
+    camera: CameraModel  # of its image
+    depth: Optional[np.ndarray]  # of each pixel of the image without distortion
+    straight: CameraModel  # of that image
     found: List[Found]
-    looks: List[Look]
     taken: float  # s of the monotonic clock, of the frame
 
 
@@ -163,8 +163,7 @@ class ObjectRecognizer:
         seen = bgr, depths, straight.camera, mask if on_tables else None
         found, told = _recognized(recognizer, seen, settings.limits)
         self._report.set_frame(told, len(found))
-        looks = [self._looks.of(one, camera, self._shows()) for one in found]
-        self._publish(Seen(frame, depths, straight.camera, found, looks, taken))
+        self._publish(Seen(frame, camera, depths, straight.camera, found, taken))
 
     def _find_tables(
         self, depths: Optional[np.ndarray], camera: CameraModel, frame: Frame, needed: bool
@@ -205,7 +204,7 @@ class ObjectRecognizer:
 
         def array_of(limits: Optional[Limits]) -> RecognizedObjectArray:
             found = [one for one in seen.found if limits is None or limits.holds(one.pose)]
-            clouds = clouds_of(found, seen.depth, seen.camera, self._straight_looks)
+            clouds = clouds_of(found, seen.depth, seen.straight, self._straight_looks)
             return object_array(header, found, self._source.path, clouds)
 
         self._calls.offer(lambda: array_of, seen.taken)
@@ -213,17 +212,24 @@ class ObjectRecognizer:
             array = array_of(None)
             for output in self._arrays:
                 output.publish(array)
-        if self._detections.get_num_connections():
-            size = seen.frame.image.shape[1::-1]
-            self._detections.publish(detection_array(header, size, seen.found, seen.looks))
+        self._publish_looks(seen, self._detections.get_num_connections() > 0, self._shows())
         if self._markers.get_num_connections():
             self._markers.publish(self._markers_of.of(header, seen.found))
         if self._settings.publish_tf and self._tf.get_num_connections() and seen.found:
             numbers = self._numbers.of(seen.found)
             self._broadcast(transforms(header, seen.found, numbers, self._prefix))
-        if self._shows():
-            overlay = seen.frame.image.copy()
-            draw_objects(overlay, seen.found, seen.looks)
+
+    def _publish_looks(self, seen: Seen, detects: bool, shows: bool) -> None:
+        """Publishes ~detections and ~processed_image, for which the objects are drawn."""
+        if not (detects or shows):
+            return
+        looks = [self._looks.of(one, seen.camera, shows) for one in seen.found]
+        header, image = seen.frame.header, seen.frame.image
+        if detects:
+            self._detections.publish(detection_array(header, image.shape[1::-1], seen.found, looks))
+        if shows:
+            overlay = image.copy()
+            draw_objects(overlay, seen.found, looks)
             self._processed.publish(overlay, "bgr8", header)
 
     def _broadcast(self, message: TFMessage) -> None:
