@@ -302,6 +302,41 @@ IDENTITIES = [  # a name is never that of another face
     (NAMES % (-1, f"{FACE_4}, {FACE_7}"), [["Ada  0.25", 40]]),
     (NAMES % (-1, ""), None),
 ]
+# A pen that tells its calls, each with the style of the line, or the words.
+PEN = (
+    "new Proxy({}, {get: (_, name) => (first, color, style) =>"
+    " (told ||= []).push([name, style ?? first])})"
+)
+SHAPE = (
+    f"drawDetections({PEN}, {{detections: [{{box: {{width: 9, height: 9}}, label: 'a', id: -1,"
+    " predicted: false, outline: [{x: 0, y: 0}, {x: 9, y: 0}, {x: 5, y: 9}], %s}]}, []) || told[0]"
+)
+FILLED = ["polygon", {"dashed": False, "fill": True}]
+MASKS = [
+    (SHAPE % "mask: ''", ["polygon", {"dashed": False, "fill": False}]),
+    (SHAPE % "mask: 'AP8='", FILLED),
+    (SHAPE % "mask: null, _cut: {mask: 20000}", FILLED),
+    (SHAPE % "mask: null, _cut: {mask: 20000, outline: 9}", ["box", {"dashed": False}]),
+]
+CONTOUR = "{outline: [], box: {}, label: '', hole: false, depth: 0, %s}"
+CONTOURS = f"drawContours({PEN}, {{contours: [{CONTOUR}, {CONTOUR}], %s}}) || told"
+LINES = [["polygon", {"dashed": False, "width": 1.5, "open": cut}] for cut in (False, True)]
+PARTLY = "contours are drawn whole"
+CUT = [  # what did not come whole is not closed, and told
+    (CONTOURS % ("", "", ""), [LINES[0], LINES[0]]),
+    (
+        CONTOURS % ("", "_cut: {outline: 99}", ""),
+        [LINES[0], LINES[1], ["corner", f"1 of 2 {PARTLY}"]],
+    ),
+    (
+        CONTOURS % ("", "", "_cut: {contours: 70}"),
+        [LINES[0], LINES[0], ["corner", f"2 of 70 {PARTLY}"]],
+    ),
+    (
+        f"drawFlow({PEN}, {{points: [], velocities: [], _cut: {{points: 7}}}}) || told",
+        [["corner", "0 of 7 points are drawn"]],
+    ),
+]
 STAMPED = (
     "Streams.prototype.openMessages.call({messages: new Map(), app: {connection: {channel:"
     " (kind, fields, receive) => setTimeout(() => receive({header: {stamp: %s}}, {stamp: 7.5}))}}},"
@@ -332,7 +367,8 @@ PARTS = {
     "layout": LAYOUT,
     "color_spaces": COLORS,
     "overlay": OVERLAYS,
-    "overlay_detections": IDENTITIES,
+    "overlay_detections": IDENTITIES + MASKS,
+    "overlay_features": CUT,
     "streams": STAMPS,
     "graph_layout": GRAPH,
 }

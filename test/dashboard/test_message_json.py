@@ -22,7 +22,7 @@ from std_msgs.msg import (
 
 from robot_vision.dashboard import message_json
 from robot_vision.dashboard.message_json import stamp_of, to_plain
-from robot_vision.msg import Detection, DetectionArray
+from robot_vision.msg import Contour, ContourArray, Detection, DetectionArray
 
 
 def received(message):
@@ -75,12 +75,30 @@ def test_arrays_are_cut_and_say_their_length():
 
 
 def test_arrays_of_messages_are_cut_in_sum():
-    points = [Point32(index, 0, 0) for index in range(1500)]
-    found = [Detection(outline=points) for _ in range(10)]
-    made = plain(DetectionArray(detections=found))["detections"]
-    kept = sum(len(one["outline"]) for one in made)
+    status = DiagnosticStatus(values=[KeyValue("k", "v")] * 1500)
+    made = plain(DiagnosticArray(status=[status] * 5))["status"]
+    kept = sum(len(one["values"]) for one in made)
     assert kept + len(made) == message_json.MAX_OBJECTS
-    assert "_cut" not in made[0] and made[-1]["_cut"] == {"outline": 1500}
+    assert "_cut" not in made[0] and made[-1]["_cut"] == {"values": 1500}
+
+
+def test_points_are_cut_in_sum_as_the_numbers_that_they_have():
+    points = [Point32(index, 0, 0) for index in range(1500)]
+    made = plain(DetectionArray(detections=[Detection(outline=points)] * 20))["detections"]
+    assert sum(3 * len(one["outline"]) for one in made) == message_json.MAX_VALUES // 3 * 3
+    assert "_cut" not in made[0] and made[-1] == {
+        **made[-1],
+        "outline": [],
+        "_cut": {"outline": 1500},
+    }
+
+
+def test_as_many_contours_as_a_node_takes_by_default_are_told_whole():
+    points = [Point32(index, 0, 0) for index in range(80)]
+    contour = Contour(outline=points, hull=points[:40], approximation=points[:10])
+    contour.defect_starts = contour.defect_ends = contour.defect_points = points[:2]
+    made = plain(ContourArray(contours=[contour] * 100))
+    assert made["contours"] == [plain(contour)] * 100 and "_cut" not in plain(contour)
 
 
 def test_numbers_are_cut_in_sum():

@@ -7,7 +7,8 @@ base64. What is too long is cut, and "_cut" beside it has its whole length by it
 | what | limit |
 |---|---|
 | an array | MAX_ITEMS |
-| all arrays of messages together, and all of numbers or texts | MAX_OBJECTS, MAX_VALUES |
+| all arrays of messages, times or texts together | MAX_OBJECTS |
+| all arrays of numbers together, and of messages that are numbers, as points | MAX_VALUES |
 | uint8[] and char[] | MAX_BYTES; longer ones are null |
 | a text | MAX_TEXT characters |
 """
@@ -29,6 +30,7 @@ MAX_TEXT = 4096
 CUT = "_cut"
 INTEGERS = {f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)} | {"byte", "char"}
 REALS = {"float32", "float64"}
+NUMBERS = INTEGERS | REALS | {"bool"}
 TIMES = {"time", "duration"}
 BYTES = {"uint8", "char"}  # whose arrays rospy has as bytes
 
@@ -75,6 +77,8 @@ class _Plan:
             for name, convert in zip(names, map(_converter, kind._slot_types))
             if convert is not _same
         ]
+        # How many numbers a message has, if it has nothing else.
+        self.numbers = len(names) if NUMBERS.issuperset(kind._slot_types) else 0
 
     def convert(self, message: Any, budget: _Budget) -> Dict[str, Any]:
         values = self._get(message)
@@ -96,29 +100,39 @@ def _plan_of(kind: Type[Any]) -> _Plan:
     return _Plan(kind)
 
 
-def _converter(kind: str) -> Convert:
-    """Returns the function that converts a value of a type, as message definitions name it."""
-    if kind.endswith("]"):
-        item = kind[: kind.index("[")]
-        if item in BYTES:
-            return _bytes
-        if item in REALS:
-            return _reals
-        if item in INTEGERS or item == "bool":
-            return _integers
-        return functools.partial(_objects, _converter(item))
-    if kind in INTEGERS or kind == "bool":
-        return _same
-    if kind in REALS:
-        return _real
-    if kind in TIMES:
-        return _time
-    if kind == "string":
-        return _text
+def _plan_named(kind: str) -> _Plan:
     found = roslib.message.get_message_class("std_msgs/Header" if kind == "Header" else kind)
     if found is None:
         raise ValueError(f"the type {kind} is not installed here")
-    return _plan_of(found).convert
+    return _plan_of(found)
+
+
+def _converter(kind: str) -> Convert:
+    """Returns the function that converts a value of a type, as message definitions name it."""
+    if kind.endswith("]"):
+        return _array_converter(kind[: kind.index("[")])
+    if kind in REALS:
+        return _real
+    if kind in NUMBERS:
+        return _same
+    if kind in TIMES:
+        return _time
+    return _text if kind == "string" else _plan_named(kind).convert
+
+
+def _array_converter(item: str) -> Convert:
+    if item in BYTES:
+        return _bytes
+    if item in NUMBERS:
+        return _reals if item in REALS else _integers
+    if item in TIMES or item == "string":
+        return functools.partial(_objects, _converter(item))
+    plan = _plan_named(item)
+    return (
+        functools.partial(_points, plan)
+        if plan.numbers
+        else functools.partial(_objects, plan.convert)
+    )
 
 
 def _same(value: Any, _budget: _Budget) -> Any:
@@ -162,6 +176,13 @@ def _taken(values: Any, budget: _Budget) -> List[Any]:
     taken = list(values[: min(MAX_ITEMS, budget.values)])
     budget.values -= len(taken)
     return taken
+
+
+def _points(plan: _Plan, values: Any, budget: _Budget) -> List[Any]:
+    """Converts an array of messages with numbers only, which count as these numbers."""
+    taken = values[: min(MAX_ITEMS, budget.values // plan.numbers)]
+    budget.values -= plan.numbers * len(taken)
+    return _or_cut([plan.convert(value, budget) for value in taken], values)
 
 
 def _objects(convert: Convert, values: Any, budget: _Budget) -> List[Any]:

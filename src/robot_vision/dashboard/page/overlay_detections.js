@@ -27,23 +27,6 @@ const SKELETON = [
   [2, 4],
 ];
 
-/** @param {string} base64 */
-function bytes(base64) {
-  return Uint8Array.from(atob(base64), (character) => character.charCodeAt(0));
-}
-
-/** The pixels of a thing, which come as one byte for each of its box. */
-function drawMask(pen, { mask, box }, color) {
-  const data = typeof mask === "string" ? bytes(mask) : mask || [];
-  if (!data.length || data.length !== box.width * box.height) return;
-  const image = new ImageData(box.width, box.height);
-  const [red, green, blue] = [1, 3, 5].map((at) => parseInt(color.slice(at, at + 2), 16));
-  for (let i = 0; i < data.length; ++i) if (data[i]) image.data.set([red, green, blue, 90], 4 * i);
-  const canvas = new OffscreenCanvas(box.width, box.height);
-  canvas.getContext("2d").putImageData(image, 0, 0);
-  pen.context.drawImage(canvas, box.x_offset, box.y_offset);
-}
-
 function drawKeypoints(pen, keypoints, color) {
   const sure = keypoints.map(({ z }) => !(z < MIN_CONFIDENCE));
   if (keypoints.length === 17) {
@@ -71,12 +54,17 @@ function isRound({ box, circle_radius: radius }) {
   return radius > 0 && short > 0.75 * long && radius < 0.58 * long;
 }
 
-/** @param {import("./overlay_pen.js").Pen} pen */
+/**
+ * A mask is drawn as its outline, filled: most masks are too large to come with each image.
+ * @param {import("./overlay_pen.js").Pen} pen
+ */
 function drawShape(pen, detection, color) {
-  const { box, outline = [], circle_center: center, circle_radius: radius, predicted } = detection;
-  const style = { dashed: predicted };
-  if (isRound(detection)) pen.circle(center, radius, color, style);
-  else if (outline.length > 2) pen.polygon(outline, color, style);
+  const { box, outline = [], circle_center: center, circle_radius: radius, mask, _cut } = detection;
+  const style = { dashed: detection.predicted };
+  const hasMask = Boolean(mask?.length || _cut?.mask);
+  if (isRound(detection) && !hasMask) pen.circle(center, radius, color, style);
+  else if (outline.length > 2 && !_cut?.outline)
+    pen.polygon(outline, color, { ...style, fill: hasMask });
   else pen.box(box, color, style);
 }
 
@@ -86,7 +74,6 @@ export function drawDetections(pen, { detections }, all) {
   for (const detection of detections) {
     const { box, center, velocity } = detection;
     const color = colorOf(detection.label, detection.id);
-    drawMask(pen, detection, color);
     drawShape(pen, detection, color);
     drawKeypoints(pen, detection.keypoints || [], color);
     if (detection.has_velocity && Math.hypot(velocity.x, velocity.y) > MIN_VELOCITY) {

@@ -56,12 +56,20 @@ export function drawLane(pen, { found, offset, heading, width, middle, left, rig
   context.restore();
 }
 
-export function drawContours(pen, { contours, has_point: hasPoint, point }) {
-  contours.forEach(({ outline, box, label, hole, depth }) => {
+/** Tells that not all is drawn: the server cuts what is too long, and says of how many. */
+function tellPart(pen, count, total, name) {
+  if (count < total) pen.corner(`${count} of ${total} ${name}`, BAD);
+}
+
+export function drawContours(pen, { contours, has_point: hasPoint, point, _cut: cut }) {
+  contours.forEach(({ outline, box, label, hole, depth, _cut }) => {
     const color = label ? colorOf(label) : PALETTE[depth % PALETTE.length];
-    pen.polygon(outline, color, { dashed: hole, width: 1.5 });
+    // Of an outline that was cut the beginning is right; what would close it is not.
+    pen.polygon(outline, color, { dashed: hole, width: 1.5, open: Boolean(_cut?.outline) });
     if (label) pen.label(label, { x: box.x_offset, y: box.y_offset }, color);
   });
+  const whole = contours.filter(({ _cut }) => !_cut?.outline);
+  tellPart(pen, whole.length, cut?.contours ?? contours.length, "contours are drawn whole");
   if (hasPoint) pen.dots([point], "#fff", 4);
 }
 
@@ -73,7 +81,7 @@ function mapped(h, [x, y]) {
 
 export function drawMatches(
   pen,
-  { reference, reference_points: from, points, inliers, found, homography },
+  { reference, reference_points: from, points, inliers, found, homography, _cut },
 ) {
   const fits = points.filter((_, index) => inliers[index]);
   const others = points.filter((_, index) => !inliers[index]);
@@ -100,9 +108,10 @@ export function drawMatches(
   }
   const name = reference || "frame before";
   pen.corner(`${name}: ${fits.length} of ${points.length} points agree`, found ? GOOD : BAD);
+  tellPart(pen, points.length, _cut?.points, "points are drawn");
 }
 
-export function drawKeypoints(pen, { x, y, size, angle }) {
+export function drawKeypoints(pen, { x, y, size, angle, _cut }) {
   const { context } = pen;
   pen.stroke(
     PALETTE[1],
@@ -121,15 +130,17 @@ export function drawKeypoints(pen, { x, y, size, angle }) {
       }),
     { width: 1 },
   );
+  tellPart(pen, x.length, _cut?.x, "keypoints are drawn");
 }
 
-export function drawFlow(pen, { points, velocities }) {
+export function drawFlow(pen, { points, velocities, _cut }) {
   points.forEach((point, index) => {
     const { x, y } = velocities[index];
     pen.arrow(point, { x: point.x + FLOW_TIME * x, y: point.y + FLOW_TIME * y }, PALETTE[1], {
       width: 1.5,
     });
   });
+  tellPart(pen, points.length, _cut?.points, "points are drawn");
 }
 
 export function drawMotion(pen, { occupied, everywhere, changed }) {
