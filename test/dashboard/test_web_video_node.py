@@ -70,10 +70,10 @@ def camera():
 class Reader:
     """Reads a stream from a socket, as slowly as a test wants."""
 
-    def __init__(self, dashboard, http="HTTP/1.1", said="", **arguments):
+    def __init__(self, dashboard, http="HTTP/1.1", said="", token=TOKEN, **arguments):
         host, port = dashboard.host.split(":")
         self._socket = socket.create_connection((host, int(port)), support.DEADLINE)
-        path = dashboard.url("/stream", token=TOKEN, **arguments).partition(dashboard.host)[2]
+        path = dashboard.url("/stream", token=token, **arguments).partition(dashboard.host)[2]
         request = f"GET {path} {http}\r\nHost: {dashboard.host}\r\n\r\n{said}"
         self._socket.sendall(request.encode())
         self._rest, self._last = b"", ""
@@ -292,6 +292,18 @@ def test_more_streams_than_allowed_are_refused_and_room_comes_back(start, camera
     support.wait_for(
         lambda: dashboard.get("/snapshot", topic=camera.topic).code == 200, "room for a stream"
     )
+
+
+def test_who_has_no_token_takes_no_stream_from_those_who_have(start, camera):
+    dashboard = Dashboard(start, "__name:=open", "_max_clients:=2", "_open_streams:=true")
+    strangers = [Reader(dashboard, token="", topic=new_topic()) for _ in range(2)]  # without images
+    assert Reader(dashboard, token="", topic=camera.topic).head.startswith("HTTP/1.1 503")
+    known = [Reader(dashboard, topic=camera.topic) for _ in range(2)]
+    for one in known:
+        one.part()
+    assert dashboard.get("/snapshot", topic=camera.topic).code == 503
+    for one in strangers + known:
+        one.close()
 
 
 def test_who_vanishes_while_no_image_comes_leaves_room(start):

@@ -1,8 +1,10 @@
 """web_video_server's URLs: /stream, /snapshot, /stream_viewer, and its list as /streams."""
 
 import asyncio
+import contextlib
+from collections import Counter
 from html import escape
-from typing import Any, Dict, List, Set
+from typing import Any, ContextManager, Dict, Iterator, List, Set
 from urllib.parse import urlencode
 
 from tornado.ioloop import IOLoop
@@ -26,14 +28,13 @@ class WebVideo:
 
     Attributes:
         streams: Those that are open; of each the connection is no longer the HTTP server's.
-        waiting: The number of requests for one image that wait.
     """
 
     def __init__(self, hub: ImageHub, settings: Settings):
         self.hub = hub
         self.settings = settings
         self.streams: Set[MultipartStream] = set()
-        self.waiting = 0
+        self._taken: Counter[bool] = Counter()  # places, by whether who has them has a token
         shared = {"shared": self}
         self.routes: List[Any] = [
             ("/stream", StreamHandler, shared),
@@ -43,15 +44,28 @@ class WebVideo:
         ]
         self._loop: Any = None
 
-    def require_room(self) -> None:
-        """Raises Refused if there are as many streams as may be; on the loop."""
+    @contextlib.contextmanager
+    def place(self, known: bool) -> Iterator[None]:
+        """Takes a place for a stream, or for a request that waits for an image; on the loop.
+
+        Args:
+            known: Whether it is for somebody with a token, from whom others take no places.
+
+        Raises:
+            Refused: As many are taken as may be.
+        """
         self._loop = IOLoop.current()
-        if len(self.streams) + self.waiting >= self.settings.max_clients:
+        if self._taken[known] >= self.settings.max_clients:
             raise Refused(
                 503,
                 "Too many streams",
                 "As many are open as ~max_clients allows: close another one.",
             )
+        self._taken[known] += 1
+        try:
+            yield
+        finally:
+            self._taken[known] -= 1
 
     def close(self) -> None:
         """Ends all streams. Thread-safe."""
@@ -90,6 +104,9 @@ class WebVideoHandler(GuardedHandler):
         except ValueError as error:
             raise Refused(400, "Not understood", str(error)) from None
 
+    def place(self) -> ContextManager[None]:
+        return self.shared.place(bool(self.role))
+
     async def view(self, asked: ImageRequest, viewer: HttpViewer) -> Handle:
         """Has images shown to a viewer; the master is asked in another thread."""
         hub = self.shared.hub
@@ -114,13 +131,12 @@ class StreamHandler(WebVideoHandler):
 
     async def get(self) -> None:
         asked = self.parsed()
-        self.shared.require_room()
+        with self.place():
+            await self._stream(asked)
+
+    async def _stream(self, asked: ImageRequest) -> None:
         viewer = HttpViewer(IOLoop.current())
-        self.shared.waiting += 1
-        try:
-            handle = await self.view(asked, viewer)
-        finally:
-            self.shared.waiting -= 1
+        handle = await self.view(asked, viewer)
         if self.request.connection.stream.closed():
             await self._end(handle)
             return
@@ -154,12 +170,8 @@ class SnapshotHandler(WebVideoHandler):
 
     async def get(self) -> None:
         asked = self.parsed()
-        self.shared.require_room()
-        self.shared.waiting += 1
-        try:
+        with self.place():
             await self._answer(asked)
-        finally:
-            self.shared.waiting -= 1
 
     async def _answer(self, asked: ImageRequest) -> None:
         handle = await self.view(asked, self._viewer)
