@@ -113,6 +113,15 @@ def test_a_topic_whose_type_is_not_installed_is_no_channel(kind):
     assert TopicList()._made("/a", kind) is None
 
 
+@pytest.mark.parametrize("package", ["single", "folder"])
+def test_no_module_is_imported_because_a_type_has_its_name(package, tmp_path, monkeypatch):
+    (tmp_path / "folder").mkdir()
+    for file in ("single.py", "folder/__init__.py"):
+        (tmp_path / file).write_text("raise SystemExit('imported')")
+    monkeypatch.syspath_prepend(tmp_path)
+    assert TopicList()._made("/a", f"{package}/Thing") is None
+
+
 def test_bytes_of_a_message_that_others_have_decoded_are_the_same():
     message = Header(seq=3, frame_id="eye")
     data = b"\3\0\0\0" + bytes(8) + b"\3\0\0\0eye"

@@ -6,7 +6,9 @@ are needed, and a topic may change its type.
 """
 
 import functools
+import importlib.util
 import io
+import os
 import threading
 import time
 from typing import Any, Callable, Dict, Hashable, NamedTuple, Optional, Type
@@ -67,14 +69,22 @@ def class_of(kind: str) -> Type[Any]:
         ValueError: It is not installed here.
     """
     found = None
-    if all(part.isidentifier() for part in kind.split("/")):
-        try:
+    package, _, name = kind.partition("/")
+    try:
+        if name.isidentifier() and _has_messages(package):
             found = roslib.message.get_message_class(kind)
-        except Exception:  # whatever the import of a broken package raises
-            found = None
+    except Exception:  # whatever the import of a broken package raises
+        found = None
     if found is None:
         raise ValueError(f"the type {printable(kind)} is not installed here")
     return found
+
+
+def _has_messages(package: str) -> bool:
+    """Tells without an import, as anybody may name a type, and any module by that."""
+    spec = importlib.util.find_spec(package) if package.isidentifier() else None
+    folders = spec.submodule_search_locations if spec else None
+    return any(os.path.isdir(os.path.join(folder, "msg")) for folder in folders or ())
 
 
 class RawTopic:
