@@ -318,6 +318,24 @@ MASKS = [
     (SHAPE % "mask: null, _cut: {mask: 20000}", FILLED),
     (SHAPE % "mask: null, _cut: {mask: 20000, outline: 9}", ["box", {"dashed": False}]),
 ]
+# Where the middle is of what a pen has painted.
+PAINTED = (
+    "Pen && ((told = new OffscreenCanvas(32, 32).getContext('2d')), new m.Pen(told,"
+    " {scale: 1, ratio: 1, size: [32, 32]}).%s, told.getImageData(0, 0, 32, 32).data.reduce("
+    "([n, x, y], a, i) => (i & 3) < 3 ? [n, x, y] : [n + a, x + a * (((i >> 2) & 31) + 0.5),"
+    " y + a * ((i >> 7) + 0.5)], [0, 0, 0])"
+    ".map((sum, _, all) => Number((sum / all[0]).toFixed(1))).slice(1))"
+)
+POINTS = "[{x: 10, y: 5}, {x: 13, y: 5}, {x: 13, y: 8}, {x: 10, y: 8}]"
+PLACES = [  # points are counted from the middle of the first pixel, boxes from its corner
+    (PAINTED % "box({x_offset: 10, y_offset: 5, width: 4, height: 4}, '#fff')", [12, 7]),
+    (PAINTED % f"polygon({POINTS}, '#fff')", [12, 7]),
+    (PAINTED % f"polygon({POINTS}, '#fff', {{origin: 0}})", [11.5, 6.5]),
+    (PAINTED % "line({x: 10, y: 9}, {x: 14, y: 9}, '#fff')", [12.5, 9.5]),
+    (PAINTED % "dots([{x: 12, y: 9}], '#fff')", [12.5, 9.5]),
+    (PAINTED % "dots([{x: 12, y: 9}], '#fff', 4, 0)", [12, 9]),
+    (PAINTED % "circle({x: 12, y: 9}, 5, '#fff')", [12.5, 9.5]),
+]
 CONTOUR = "{outline: [], box: {}, label: '', hole: false, depth: 0, %s}"
 CONTOURS = f"drawContours({PEN}, {{contours: [{CONTOUR}, {CONTOUR}], %s}}) || told"
 LINES = [["polygon", {"dashed": False, "width": 1.5, "open": cut}] for cut in (False, True)]
@@ -369,6 +387,7 @@ PARTS = {
     "overlay": OVERLAYS,
     "overlay_detections": IDENTITIES + MASKS,
     "overlay_features": CUT,
+    "overlay_pen": PLACES,
     "streams": STAMPS,
     "graph_layout": GRAPH,
 }

@@ -14,7 +14,7 @@ export function drawLine(pen, { found, center, offset, angle, confidence }) {
   }
   const length = 0.18 * pen.size[1];
   const tip = { x: center.x + length * Math.sin(angle), y: center.y - length * Math.cos(angle) };
-  const middle = { x: pen.size[0] / 2, y: center.y };
+  const middle = { x: (pen.size[0] - 1) / 2, y: center.y };
   pen.line(middle, center, PALETTE[1], { dashed: true });
   pen.arrow(center, tip, GOOD, { width: 3 });
   pen.dots([center], GOOD, 4);
@@ -49,10 +49,11 @@ export function drawLane(pen, { found, offset, heading, width, middle, left, rig
   context.beginPath();
   context.rect(x, y, box.width, box.height);
   context.clip();
+  const style = { open: true, origin: 0 };
   for (const line of [left, right])
-    if (line.found) pen.polygon(line.points.map(place), PALETTE[4], { open: true });
-  pen.polygon(middle.map(place), GOOD, { open: true, dashed: true });
-  pen.dots([place({ x: 0, y: 0 })], "#fff", 4);
+    if (line.found) pen.polygon(line.points.map(place), PALETTE[4], style);
+  pen.polygon(middle.map(place), GOOD, { ...style, dashed: true });
+  pen.dots([place({ x: 0, y: 0 })], "#fff", 4, 0);
   context.restore();
 }
 

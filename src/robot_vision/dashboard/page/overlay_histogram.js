@@ -40,7 +40,8 @@ export function drawHistogram(pen, { region, channels, bins, counts, space }) {
   const most = sorted[Math.min(sorted.length - 1, Math.floor(0.01 * sorted.length))];
   channels.forEach((name, index) => {
     const curve = histogramCurve(counts.slice(index * bins, (index + 1) * bins), box, most);
-    pen.polygon(curve, COLORS[name] || OTHERS[index % 3], { open: true, width: 1.5 });
+    const style = { open: true, width: 1.5, origin: 0 };
+    pen.polygon(curve, COLORS[name] || OTHERS[index % 3], style);
   });
   pen.label(
     `${space}: ${channels.join(", ")}`,

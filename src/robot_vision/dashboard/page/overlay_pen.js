@@ -24,6 +24,8 @@ export const CASING = "rgb(0 0 0 / 55%)";
 const BOX = "rgb(10 13 17 / 80%)";
 const FONT = '600 12px system-ui, "Segoe UI", Roboto, "Noto Sans", sans-serif';
 const MAX_TEXT = 60; // characters
+// Px: points of messages are counted from the middle of the first pixel, boxes from its corner.
+const CENTER = 0.5;
 
 /**
  * The same color for the same thing.
@@ -67,12 +69,15 @@ export class Pen {
    * Strokes the path that `make` makes, with a dark rim.
    * @param {string} color
    * @param {(context: CanvasRenderingContext2D) => void} make
-   * @param {{width?: number, dashed?: boolean, fill?: boolean}} [style] width in CSS px
+   * @param {{width?: number, dashed?: boolean, fill?: boolean, origin?: number}} [style] width in
+   *   CSS px; origin: px from the image's corner that the path is counted from, both ways
    */
-  stroke(color, make, { width = 2, dashed = false, fill = false } = {}) {
+  stroke(color, make, { width = 2, dashed = false, fill = false, origin = CENTER } = {}) {
     const { context, unit } = this;
     context.beginPath();
+    context.translate(origin, origin);
     make(context);
+    context.translate(-origin, -origin);
     if (fill) {
       context.fillStyle = color;
       context.globalAlpha = 0.18;
@@ -90,7 +95,8 @@ export class Pen {
   }
 
   box({ x_offset: x, y_offset: y, width, height }, color, style) {
-    this.stroke(color, (context) => context.rect(x, y, width, height), style);
+    const make = (context) => context.rect(x, y, width, height);
+    this.stroke(color, make, { ...style, origin: 0 });
   }
 
   /** @param {{x: number, y: number}[]} points */
@@ -114,15 +120,17 @@ export class Pen {
    * All points in one go.
    * @param {{x: number, y: number}[]} points
    * @param {number} [radius] CSS px
+   * @param {number} [origin] see stroke
    */
-  dots(points, color, radius = 2.5) {
+  dots(points, color, radius = 2.5, origin = CENTER) {
     const { context, unit } = this;
     for (const [fill, size] of [
       [CASING, radius + 1],
       [color, radius],
     ]) {
       context.beginPath();
-      for (const { x, y } of points) {
+      for (const point of points) {
+        const [x, y] = [point.x + origin, point.y + origin];
         context.moveTo(x + size * unit, y);
         context.arc(x, y, size * unit, 0, 2 * Math.PI);
       }
