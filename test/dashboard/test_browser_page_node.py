@@ -378,9 +378,22 @@ PUSHED = (
     " 'channel_error', {channel: %d, text: 'why %d'}) || told"
 )
 ERRORS = [(PUSHED % (3, 3), "why 3"), (PUSHED % (4, 4), None)]
+PING = (  # when the server has said something once, at these times after it, ms
+    "Connection && ((one) => { const now = performance.now();"
+    " one.socket = {close: () => (told = 'lost')}; one.state = 'open';"
+    " one.receive(one.socket, '{}');"
+    " for (const later of %s) { performance.now = () => now + later; one.ping(); }"
+    " delete performance.now; clearTimeout(one.timer); one.socket = one.state = null;"
+    " return told; })(new m.Connection(''))"
+)
+PINGS = [  # timers that come late, as those of hidden pages, are no silence of the server
+    (PING % "[60e3]", None),
+    (PING % "[60e3, 76e3]", None),
+    (PING % "[60e3, 78e3]", "lost"),
+]
 PARTS = {
     "tile_problem": PROBLEMS,
-    "connection": ERRORS,
+    "connection": ERRORS + PINGS,
     "geometry": GEOMETRY,
     "layout": LAYOUT,
     "color_spaces": COLORS,

@@ -225,6 +225,18 @@ def test_enrolling_leaves_no_parameters_open(page, play):
     support.wait_for(lambda: played.count("close_parameters") == 1, "the end of the look")
 
 
+@pytest.mark.parametrize("tool, asks", [("bags", "bags"), ("calibration",) * 2, ("faces",) * 2])
+def test_a_panel_that_opens_before_the_connection_asks_once_it_is_there(page, play, tool, asks):
+    answer = {"people": [], "bags": [], "unfinished": [], "recording": None, "topic": ""}
+    answer.update(folder="/bags", free=1e9, max_megabytes=1)
+    played = play([node("/door", services=["/door/enroll"])], **{asks: lambda *_: answer})
+    page.run("robotVision.connection.state = 'connecting';")
+    open_tool(page, tool)
+    page.run("robotVision.connection.setState('open');")
+    support.wait_for(lambda: played.count(asks) == 1, "the question")
+    assert page.value("window.keptNotices") == []
+
+
 ESCAPE = "\ue00c"
 FOLLOWER = '[data-test="tile"][data-node="/object_tracker"]'
 

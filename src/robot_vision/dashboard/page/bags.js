@@ -24,10 +24,9 @@ class BagsPanel {
       app.on("graph", () => this.form.show()),
       app.connection.on("recording", (status) => this.onRecording(status)),
       app.connection.on("bags", () => this.list()),
-      app.connection.on("state", (state) => state === "open" && this.list()),
     ];
     this.showRecording(null);
-    this.list();
+    this.offs.push(app.connection.whenOpen(() => this.list()));
   }
 
   onRecording(status) {

@@ -23,11 +23,10 @@ class CalibrationPanel {
     element.append(el("div", { class: "stack" }, this.steps, this.body));
     this.offs = [
       app.connection.on("calibration", (state) => this.show(state)),
-      app.connection.on("state", (state) => state === "open" && this.look()),
       app.on("graph", () => this.board?.showTopics()),
     ];
     this.show(this.state);
-    this.look();
+    this.offs.push(app.connection.whenOpen(() => this.look()));
   }
 
   /** Asks what is known, and is told from now on what changes. */

@@ -9,7 +9,7 @@ import { Events } from "./events.js";
 const MIN_DELAY = 500; // ms until the first new attempt
 const MAX_DELAY = 10000; // ms
 const PING_PERIOD = 5000; // ms
-const SILENCE = 17000; // ms without a word, after which the connection is given up
+const SILENCE = 17000; // ms after a question without a word, when the connection is given up
 const MAX_NUMBER = 65535;
 
 /** The difference between two clocks, from the round trips that took least. */
@@ -54,6 +54,7 @@ export class Connection {
     this.attempts = 0;
     this.nextAttempt = 0; // ms, performance.now() of the next attempt
     this.timer = 0;
+    this.waitsSince = null; // ms, performance.now() of the first question since the last word
     setInterval(() => this.ping(), PING_PERIOD);
   }
 
@@ -65,7 +66,7 @@ export class Connection {
     socket.onmessage = (event) => this.receive(socket, event.data);
     socket.onclose = () => this.lost(socket);
     this.socket = socket;
-    this.lastWord = performance.now();
+    this.waitsSince = performance.now();
   }
 
   /** Tries now instead of waiting. */
@@ -93,7 +94,7 @@ export class Connection {
 
   receive(socket, data) {
     if (socket !== this.socket) return;
-    this.lastWord = performance.now();
+    this.waitsSince = null;
     if (data instanceof ArrayBuffer) {
       const message = parseBinary(data);
       this.channels.get(message.header.channel)?.receive(message, message.header);
@@ -160,6 +161,16 @@ export class Connection {
   }
 
   /**
+   * Calls something now, if there is a connection, and whenever there is one anew.
+   * @param {() => void} work
+   * @returns {() => void} ends it
+   */
+  whenOpen(work) {
+    if (this.state === "open") work();
+    return this.on("state", (state) => state === "open" && work());
+  }
+
+  /**
    * A stream, opened again after a lost connection.
    * @param {string} op image, points, messages or frames
    * @param {Object} fields without the channel's number
@@ -189,12 +200,14 @@ export class Connection {
     this.channels.delete(channel.number);
   }
 
+  /** Asks the server's time, or gives the connection up; a hidden page does so each minute only. */
   async ping() {
-    const socket = this.socket;
-    if (socket && performance.now() - this.lastWord > SILENCE) {
+    const { socket, waitsSince } = this;
+    if (socket && waitsSince !== null && performance.now() - waitsSince > SILENCE) {
       this.lost(socket);
       socket.close();
     } else if (this.state === "open") {
+      this.waitsSince ??= performance.now();
       const sent = Date.now() / 1000;
       const answer = await this.request("ping").catch(() => null);
       if (answer) this.clock.add(sent, Date.now() / 1000, answer.time);

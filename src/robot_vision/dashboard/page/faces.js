@@ -18,7 +18,10 @@ class FacesPanel {
     this.node = "";
     this.closed = false;
     this._build(element);
-    this.offs = [app.on("graph", () => this._look()), app.on("role", () => this._enable())];
+    this.offs = [
+      app.on("graph", () => this._look()), app.on("role", () => this._enable()),
+      app.connection.whenOpen(() => this._list()),
+    ];
     this._look();
   }
 
@@ -61,7 +64,7 @@ class FacesPanel {
     this._enable();
     if (node === this.node) return;
     this.node = node;
-    if (node) this._list();
+    this._list();
   }
 
   _enable() {
@@ -74,6 +77,7 @@ class FacesPanel {
   /** Shows who is known now. */
   async _list() {
     const { node } = this;
+    if (!node || this.app.connection.state !== "open") return;
     await this._try(async () => {
       const { people } = await this.app.connection.request("faces", { node });
       if (this.closed || node !== this.node) return;

@@ -65,21 +65,17 @@ class LogPanel {
       el("div", { class: "row" }, this.text),
       el("div", { class: "log-box" }, this.list, this.none, this.newest),
     );
-    const request = () =>
-      app.connection
-        .request("log", { level: 1 })
-        .catch((error) => app.notify(error.message, "bad"));
     this.offs = [
       app.connection.on("log", ({ entries, left_out }) =>
         this.add(left_out ? [{ left_out }, ...entries] : entries),
       ),
-      app.connection.on("state", (state) => {
-        if (state !== "open") return;
+      app.connection.whenOpen(() => {
         this.clear();
-        request();
+        app.connection
+          .request("log", { level: 1 })
+          .catch((error) => app.notify(error.message, "bad"));
       }),
     ];
-    if (app.connection.state === "open") request();
   }
 
   add(entries) {
