@@ -15,7 +15,9 @@ from robot_vision.calibration.board_search import BoardParams
 from robot_vision.calibration.boards import Observation
 from robot_vision.calibration.view_progress import is_enough, view_progress
 from robot_vision.dashboard import board_watch, calibration_run
+from robot_vision.dashboard.calibration_feature import NOBODY, CalibrationFeature
 from robot_vision.dashboard.calibration_run import CalibrationRun
+from robot_vision.dashboard.settings import Settings
 from robot_vision.ros.transport import Frame
 
 TOPIC = "/eye/image_raw"
@@ -257,6 +259,46 @@ def test_frames_that_come_meanwhile_are_not_kept(start, hub, images, monkeypatch
     go.set()
     support.wait_for(lambda: told and told[-1]["views"] == 2, "two views")
     assert [id(image) for image in looked] == [id(images[0]), id(images[4])]
+
+
+class Session:
+    """One that controls, and keeps what it is told."""
+
+    id, role = 1, "control"
+
+    def __init__(self):
+        self.told = []
+
+    def on_close(self, callback):
+        pass
+
+    def push(self, kind, data):
+        self.told.append((kind, data))
+
+
+def test_no_state_is_told_of_a_run_that_was_stopped_meanwhile(hub, monkeypatch):
+    """Its thread has made the state before, and comes to tell it after that nobody calibrates."""
+    state = CalibrationRun.state
+    made, go = threading.Event(), threading.Event()
+
+    def slow(run):
+        found = state(run)
+        if threading.current_thread() is run._thread:
+            made.set()
+            assert go.wait(support.DEADLINE)
+        return found
+
+    monkeypatch.setattr(CalibrationRun, "state", slow)
+    feature, session = CalibrationFeature(Settings(), hub), Session()
+    do = {one.name: one.run for one in feature.operations}
+    board = {**vars(BOARD), "kind": BOARD.board, "topic": TOPIC, "model": "plumb_bob"}
+    do["calibration_start"](session, board)
+    thread = feature._run._thread
+    assert made.wait(support.DEADLINE)
+    do["calibration_stop"](session, {})
+    go.set()
+    thread.join(support.DEADLINE)
+    assert session.told == [("calibration", NOBODY)]
 
 
 @pytest.mark.parametrize(

@@ -97,7 +97,9 @@ class CalibrationFeature:
                 raise ValueError(
                     f"{self._run.topic} is being calibrated by page {self._owner}: one at a time"
                 )
-            run = CalibrationRun(topic, params, fields["model"], self._hub, self._tell)
+            run = CalibrationRun(
+                topic, params, fields["model"], self._hub, lambda state: self._tell(run, state)
+            )
             try:
                 run.resume()
             except ValueError:
@@ -113,8 +115,9 @@ class CalibrationFeature:
         return {"message": self._running().commit(node)}
 
     def _stop(self, _session: Any, _fields: Dict[str, Any]) -> None:
-        self.close()
-        self._watchers.push("calibration", NOBODY)
+        with self._lock:
+            self.close()
+            self._watchers.push("calibration", NOBODY)
 
     def _running(self) -> CalibrationRun:
         with self._lock:
@@ -122,8 +125,10 @@ class CalibrationFeature:
                 raise ValueError("nobody calibrates a camera: start first")
             return self._run
 
-    def _tell(self, state: State) -> None:
-        self._watchers.push("calibration", self._known(state))
+    def _tell(self, run: CalibrationRun, state: State) -> None:
+        with self._lock:
+            if run is self._run:  # Its thread may have made the state before it was stopped.
+                self._watchers.push("calibration", self._known(state))
 
     def _known(self, state: State) -> State:
         return {**state, "owner": self._owner}
