@@ -361,6 +361,21 @@ STAMPED = (
     " '/x', (stamp) => (told = stamp)) && new Promise((done) => setTimeout(() => done(told)))"
 )
 STAMPS = [(STAMPED % "7.5", 7.5), (STAMPED % "0", 7.5)]  # of cameras that give none as well
+# The channels that are closed when the width has changed and these have given an image.
+RESIZED = (
+    "Streams && (async () => { const channels = []; told = [];"
+    " const channel = (_, {width}, onData) =>"
+    " (channels.push(onData), () => told.push(width));"
+    " const app = {connection: {channel}, storage: {get: () => 80}};"
+    " const listener = {width: 320, onFrame() {}, onError() {}};"
+    " const {resize} = new m.Streams(app).openImage('/x', listener);"
+    " resize(640);"
+    " const canvas = new OffscreenCanvas(4, 3); canvas.getContext('2d');"
+    " const payload = await canvas.convertToBlob({type: 'image/jpeg'});"
+    " for (const one of %s) await channels[one]({header: {kind: 1}, payload});"
+    " return told; })()"
+)
+STAMPS += [(RESIZED % "[0]", []), (RESIZED % "[0, 1]", [320]), (RESIZED % "[1]", [320])]
 WATCHED = "[{name: '/t', publishers: ['/a'], subscribers: ['/me']}]"
 GRAPH = [
     (f"shownTopics({WATCHED}, false, '/me').length", 0),

@@ -285,6 +285,21 @@ def test_escape_ends_a_drag_without_effect(page, follower):
     assert asked["region"]["x"] == 16 and follower.count("select_object") == 1
 
 
+def test_a_second_finger_changes_nothing_of_a_drag(page, follower):
+    page.size(900, 700, touch=True)
+    left, top, width, height = page.box(f'{FOLLOWER} [data-test="image"]')
+    begin, end, other = (
+        {"x": left + part * width, "y": top + part * height, "id": number}
+        for part, number in ((0.1, 0), (0.3, 0), (0.8, 1))
+    )
+    for count, fingers in enumerate(([end], [end, other]), 1):
+        for kind, points in (("Start", [begin]), ("Move", [end]), ("Start", fingers), ("End", [])):
+            page.command("Input.dispatchTouchEvent", type=f"touch{kind}", touchPoints=points)
+        support.wait_for(lambda n=count: follower.count("select_object") == n, "what is selected")
+    alone, both = (fields["region"] for name, fields in follower.asked if name == "select_object")
+    assert alone == both and alone["width"] > 5
+
+
 def test_a_drag_ends_though_its_node_goes_meanwhile(page, follower):
     left, top, width, height = page.box(f'{FOLLOWER} [data-test="image"]')
     begin, end = ((left + part * width, top + part * height) for part in (0.1, 0.3))

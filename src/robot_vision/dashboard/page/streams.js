@@ -53,15 +53,17 @@ class ImageStream {
     this.quality = quality;
     if (this.closeOld) this.close?.();
     else this.closeOld = this.close;
-    this.close = this.app.connection.channel(
+    const close = this.app.connection.channel(
       "image",
       { topic: this.topic, width, quality },
-      (data) => this.receive(data),
+      (data) => this.receive(data, close),
       (text) => this.listeners.forEach((listener) => listener.onError(text)),
     );
+    this.close = close;
   }
 
-  async receive({ header, payload }) {
+  /** @param {any} data @param {() => void} close what closes the channel that it came by */
+  async receive({ header, payload }, close) {
     const arrival = ++this.arrivals;
     const type = header.kind === 3 ? "image/png" : "image/jpeg";
     const bitmap = await createImageBitmap(new Blob([payload], { type })).catch(() => null);
@@ -74,8 +76,10 @@ class ImageStream {
       return;
     }
     this.newest = arrival;
-    this.closeOld?.();
-    this.closeOld = null;
+    if (close === this.close) {
+      this.closeOld?.();
+      this.closeOld = null;
+    }
     const frame = { bitmap, header, at: performance.now() };
     this.frames.push(frame);
     while (this.frames.length > KEPT_FRAMES) this.frames.shift().bitmap.close();

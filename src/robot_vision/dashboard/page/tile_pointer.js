@@ -34,7 +34,7 @@ export class TilePointer {
     element.addEventListener("pointerdown", (event) => this.down(event));
     element.addEventListener("pointermove", (event) => this.move(event));
     element.addEventListener("pointerup", (event) => this.up(event));
-    element.addEventListener("pointercancel", () => this.end());
+    element.addEventListener("pointercancel", (event) => this.isOurs(event) && this.end());
     element.addEventListener(
       "dblclick",
       () => !tiles.tool && tiles.enlarge(tile.enlarged ? null : tile),
@@ -53,7 +53,7 @@ export class TilePointer {
   }
 
   down(event) {
-    if (event.button !== 0) return;
+    if (event.button !== 0 || !event.isPrimary) return; // a second finger begins nothing
     this.tiles.select(this.tile);
     if (!this.tool()) return;
     if (!this.tiles.tool && event.pointerType === "touch" && !this.tile.enlarged) return;
