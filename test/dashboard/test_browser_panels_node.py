@@ -117,7 +117,7 @@ class Tracker:
         values: Those of the first one.
     """
 
-    def __init__(self, play, *others):
+    def __init__(self, play, *others, **answers):
         names = NODE, *others
         self.all_values = {name: {**HSV, "space": "hsv", "color": "red"} for name in names}
         self.values = self.all_values[NODE]
@@ -130,6 +130,7 @@ class Tracker:
             parameters=lambda _, fields: {"values": self.all_values[fields["node"]]},
             set_parameters=self._set,
             use_color=self._use,
+            **answers,
             messages=lambda *_: {},
             close_parameters=lambda *_: {},
         )
@@ -207,6 +208,30 @@ def test_the_answer_of_one_tracker_is_not_that_of_another(page, play):
     assert page.value(LIMIT) == "90"
     assert tracker.all_values["/other"]["s_low"] == 90
     assert tracker.played.count("use_color") == 1
+
+
+def test_what_one_tracker_saves_late_leaves_undo_of_another(page, play):
+    saved = threading.Event()
+
+    def save(_session, _fields):
+        saved.wait(support.DEADLINE)
+        return {"message": "it is saved"}
+
+    tracker = Tracker(play, "/other", save_parameters=save)
+    other = tracker.all_values["/other"]
+    other["s_low"] = 90
+    open_tool(page, "color")
+    page.wait(f"{LIMIT} === '50'")
+    page.click('[data-test="color-save"]')
+    support.wait_for(lambda: tracker.played.count("save_parameters") == 1, "the saving")
+    page.fill('[data-test="color-node"]', "/other")
+    page.wait(f"{LIMIT} === '90'")
+    raise_limit(page)
+    support.wait_for(lambda: other["s_low"] == 91, "the limit")
+    saved.set()
+    page.wait_for_text("it is saved", '[data-test="color-answer"]')
+    page.click('[data-test="color-undo"]')
+    support.wait_for(lambda: other["s_low"] == 90, "the limit before")
 
 
 def test_enrolling_leaves_no_parameters_open(page, play):

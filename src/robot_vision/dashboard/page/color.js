@@ -168,11 +168,12 @@ class ColorPanel {
 
   /** A click: shows the colour, and gives the range around it to the colour that is chosen. */
   async _pick(tile, { x, y }) {
+    const { node } = this;
     await this._try(async () => {
       const fields = { topic: tile.image, x: Math.floor(x), y: Math.floor(y) };
       const picked = await this.app.connection.request("color_at", fields);
       this.view.showPicked(picked);
-      if (!this.range || this.app.role !== "control") return;
+      if (node !== this.node || !this.range || this.app.role !== "control") return;
       const { space } = this.range;
       const around = picked.ranges[space];
       if (!around) return;
@@ -225,11 +226,13 @@ class ColorPanel {
 
   async _save() {
     await this._try(async () => {
+      const { node } = this;
       await this.told;
-      const { message } = await this.app.connection.request("save_parameters", { node: this.node });
+      const { message } = await this.app.connection.request("save_parameters", { node });
+      this._say(message, "good");
+      if (node !== this.node) return;
       this.before = this.range;
       this.isSaved = true;
-      this._say(message, "good");
     });
   }
 
