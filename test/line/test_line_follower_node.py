@@ -90,6 +90,15 @@ class Robot:
 
         support.wait_for(driven, "the first line and a command to drive")
 
+    def look(self, floor, *parts, size=(240, 320)):
+        """The line that is found on a floor of this color with these columns and rows as lines."""
+        image = np.full((*size, 3), floor, np.uint8)
+        for columns, rows in parts:
+            image[rows, columns] = LINE_COLOUR
+        self.world.render = lambda pose, frame: image
+        self.step()
+        return self.newest_line()
+
     def newest_line(self):
         """The line of the newest frame, whose command may arrive before the line does."""
         support.wait_for(
@@ -317,28 +326,28 @@ def test_a_mask_that_fills_the_image_is_no_line(driven):
     assert robot.commands.received[-1] == Twist() and not robot.newest_line().found
 
 
+LONG = slice(60, 240)  # rows
+NARROW, WIDE = (slice(24, 36), LONG), (slice(270, 290), LONG)
+SPECK = NARROW[0], slice(200, 214)
+
+
 def test_a_line_of_long_ago_does_not_decide_which_one_is_followed(driven):
     robot = driven("_timeout:=0.3")
-    image = robot.world.render(robot.drive.pose, 0)
-
-    def shown(*parts):
-        """An image of the floor with these columns in the line's colour."""
-        picture = np.full_like(image, image[0, 0])
-        for columns, rows in parts:
-            picture[rows, columns] = LINE_COLOUR
-        return picture
-
-    speck, line = (slice(24, 36), slice(200, 214)), (slice(270, 290), slice(60, 240))
-    robot.world.render = lambda pose, frame: shown((speck[0], line[1]))
-    robot.step()
-    assert robot.newest_line().center.x < 40
-    robot.world.render = lambda pose, frame: shown()
+    floor = robot.world.render(robot.drive.pose, 0)[0, 0]
+    assert robot.look(floor, NARROW).center.x < 40
     begin = time.monotonic()
     while time.monotonic() - begin < 0.4:  # s, longer than the timeout
-        robot.step()
-    robot.world.render = lambda pose, frame: shown(speck, line)
-    robot.step()
-    assert robot.newest_line().center.x > 260
+        robot.look(floor)
+    assert robot.look(floor, SPECK, WIDE).center.x > 260
+
+
+def test_a_line_in_images_of_another_size_does_not_decide_which_one_is_followed(driven):
+    robot = driven()
+    floor = robot.world.render(robot.drive.pose, 0)[0, 0]
+    for parts in ([NARROW], [NARROW, WIDE]):
+        line = robot.look(floor, *parts)
+        assert line.found and line.center.x < 40
+    assert robot.look(floor, NARROW, WIDE, size=(240, 400)).center.x > 260
 
 
 def test_robot_is_told_to_stop_when_the_node_ends(driven):

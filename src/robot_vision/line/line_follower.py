@@ -1,7 +1,7 @@
 """The node line_follower, which drives a robot along a line."""
 
 import time
-from typing import Any, Dict, Optional
+from typing import Any, Dict, Optional, Tuple
 
 import rospy
 from geometry_msgs.msg import Point, Twist
@@ -30,6 +30,7 @@ class LineFollower:
         self._control: Optional[LineControlParams] = None
         self._followed = Line()  # the line that was seen last, unless that is too long ago
         self._seen = 0.0  # s of the monotonic clock, when that was
+        self._searched: Tuple[int, ...] = ()  # the size of the mask, in whose pixels it is
         self._stamp = rospy.Time()  # of the last frame
         self._node = ImageNode(self._process)
         self._lines = self._node.publisher("~line", LineMessage)
@@ -58,8 +59,9 @@ class LineFollower:
         height = frame.image.shape[0]
         top = min(round(height * (1.0 - strip)), height - 1)
         mask = color.apply(frame.image[top:])
-        if began - self._seen > self._drive.timeout:
+        if began - self._seen > self._drive.timeout or mask.shape != self._searched:
             self._followed = Line()
+        self._searched = mask.shape
         line = find_line(mask, params, self._followed)
         # Of a mask that fills the image it is 0, which is no line whatever the least may be.
         if line.confidence == 0.0 or line.confidence < self._min_confidence:
