@@ -114,7 +114,9 @@ PYBIND11_MODULE(_transport, m)
 {
   m.doc() = "What nodes in Python have of roscpp: images for robot_vision.transport, which is documented, and bonds.";
   LeaveGil::endWithProcess();
-  py::class_<FrameStatistics, std::shared_ptr<FrameStatistics>>(m, "Diagnostics");
+  py::class_<FrameStatistics, std::shared_ptr<FrameStatistics>>(m, "Diagnostics")
+      .def("set_running", &FrameStatistics::setRunning, "topic"_a)
+      .def("set_unsubscribed", &FrameStatistics::setUnsubscribed, "reason"_a);
   py::class_<LatestImageSubscriber, std::shared_ptr<LatestImageSubscriber>>(m, "Inbox")
       .def("open", &LatestImageSubscriber::open, CallsMaster())
       .def("close", &LatestImageSubscriber::close, CallsMaster())

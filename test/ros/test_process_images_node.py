@@ -139,6 +139,32 @@ def test_a_node_that_cannot_subscribe_says_so_and_tries_again(diagnostics):
     rospy.delete_param("/refused")
 
 
+def test_a_node_that_cannot_subscribe_to_other_images_says_so_and_tries_again(diagnostics):
+    first, second = Source(new_topic()), new_topic() + "/compressed"
+    other = ImageTaker("/other", second[: -len("/compressed")], transport="compressed")
+    rospy.set_param("/refused", {"diagnostic_period": 0.1, "always_subscribe": True})
+    context = LoadedContext("/refused", {"/image": first.topic, "/depth": second}, print)
+    taken = []
+    with active(context):
+        node = ImageNode(lambda _: None)
+        node.image_subscriber("depth", taken.append, "raw")
+        node.start()
+
+    def refused():
+        status = diagnostics.next("refused")
+        return status.message.startswith(f"cannot subscribe: {second}: ") and status.level == 2
+
+    support.wait_for(refused, "the error")
+    other.close()
+    source = Source(second)
+    source.wait_for()
+    source.send(message(IMAGE, "bgr8"))
+    support.wait_for(lambda: taken, "the frame")
+    assert diagnostics.next("refused").message.endswith(f" on {first.topic}")  # no frames there
+    context.end()
+    rospy.delete_param("/refused")
+
+
 def leave(_frame):
     raise SystemExit(3)
 

@@ -57,11 +57,12 @@ class ImageNode:
         self._other_images: Dict[str, transport.ImageSubscriber] = {}  # by name
         self._last_message: Dict[str, float] = {}  # s of the monotonic clock, by input
         self._working_since = float("inf")  # s of the monotonic clock
+        self._diagnostics = transport.node_diagnostics()
         self._images = transport.ImageSubscriber(
             name,
             self._timed(name, process),
             encoding,
-            diagnostics=transport.node_diagnostics(),
+            diagnostics=self._diagnostics,
             start=False,
         )
         if self._images.topic == f"/{name}":
@@ -162,8 +163,7 @@ class ImageNode:
         if self._always or self._wanted or listened:
             self._working_since = min(self._working_since, time.monotonic())
             self._images.start()
-            for images in self._other_images.values():
-                images.start()
+            self._start_others()
             if not self._subscribers:
                 self._subscribers = [
                     self._context.subscriber(name, kind, callback, queue_size=1, tcp_nodelay=True)
@@ -177,6 +177,16 @@ class ImageNode:
                 self._context.close(self._subscribers.pop().unregister)
             self._working_since = float("inf")
             self._idle()
+
+    def _start_others(self) -> None:
+        """Subscribes to the other images; why it cannot is told in the node's diagnostics, too."""
+        for images in self._other_images.values():
+            try:
+                images.start()
+            except RuntimeError as error:
+                self._diagnostics.set_unsubscribed(f"{images.topic}: {error}")
+                raise
+        self._diagnostics.set_running(self.topic)  # in place of an error
 
     def _timed(self, name: str, callback: Callable[[Any], Any]) -> Callable[[Any], Any]:
         """Returns the callback of an input, extended by noting the time of each message."""
