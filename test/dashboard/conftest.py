@@ -15,12 +15,8 @@ def patience(request):
     """
     with contextlib.ExitStack() as patched:
         if "master" in request.fixturenames:
-            from robot_vision.dashboard import (
-                graph_calls,
-                graph_master,
-                parameter_node,
-                select_topics,
-            )
+            from robot_vision.dashboard import graph_calls, parameter_node, select_topics
+            from robot_vision.ros import graph_master
 
             for module, name in (
                 (graph_calls, "TIMEOUT"),

@@ -12,11 +12,12 @@ from feature_page import FeaturePage, subscribes
 from ros_fixtures import forget
 from std_msgs.msg import Float32, String
 
-from robot_vision.dashboard import graph_feature, graph_master
+from robot_vision.dashboard import graph_feature
 from robot_vision.dashboard.graph_feature import GraphFeature, KnownGraph
 from robot_vision.dashboard.graph_state import state_of
 from robot_vision.dashboard.settings import Settings
 from robot_vision.msg import DetectionArray
+from robot_vision.ros import graph_master
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ import support
 from std_srvs.srv import SetBool, Trigger, TriggerResponse
 
 from robot_vision.dashboard.graph_calls import TIMEOUT, call_node
-from robot_vision.dashboard.graph_master import (
+from robot_vision.ros.graph_master import (
     MasterCalls,
     graph_name,
     has_service,

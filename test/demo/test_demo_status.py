@@ -22,11 +22,12 @@ def demo(monkeypatch, capsys):
     use_params(monkeypatch, {"~dashboard": True})
     callbacks = []
     context = types.SimpleNamespace(
+        resolve=lambda name: f"/vision/{name}",
         subscriber=lambda _topic, _type, callback: callbacks.append(callback),
         thread=lambda work, _name: types.SimpleNamespace(start=lambda: made.started.append(work)),
     )
     monkeypatch.setattr(demo_status, "current", lambda: context)
-    monkeypatch.setattr(demo_status, "is_there", lambda service: service in made.services)
+    monkeypatch.setattr(demo_status, "has_service", lambda service: service in made.services)
     DemoStatus()
 
     def report(*nodes):
@@ -41,7 +42,7 @@ def demo(monkeypatch, capsys):
 
 
 def test_the_first_table_has_all_nodes_however_slowly_they_start(demo):
-    demo.services.add("dashboard/print_address")
+    demo.services.add("/vision/dashboard/print_address")
     for count in range(1, len(TOPICS)):
         for _ in range(LAST_WITHOUT_NEWS // 2):
             assert demo.report(*list(TOPICS)[:count]) == []
@@ -52,7 +53,7 @@ def test_the_first_table_has_all_nodes_however_slowly_they_start(demo):
 def test_the_first_table_is_printed_after_the_address(demo):
     for _ in range(LAST_WITHOUT_NEWS // 2):
         assert demo.report(*TOPICS) == []
-    demo.services.add("dashboard/print_address")
+    demo.services.add("/vision/dashboard/print_address")
     assert demo.report(*TOPICS) == [*TOPICS]
     assert demo.report(*TOPICS) == [*TOPICS] and len(demo.started) == 1
 

@@ -12,6 +12,7 @@ import rosgraph
 import rospy
 from nodelet.srv import NodeletList, NodeletLoad, NodeletUnload
 
+from ..ros.graph_master import has_service
 from ..ros.params import read_any, read_name
 from ..ros.registration import UNREACHABLE_ERRORS
 from ..ros.startup import run_node
@@ -120,9 +121,8 @@ class CameraLoader:
         """Returns the URI of the manager, or "" if it does not answer."""
         uri = ""
         with contextlib.suppress(*UNREACHABLE_ERRORS):
-            master = rosgraph.Master(rospy.get_name())
-            master.lookupService(self._manager + "/load_nodelet")
-            uri = master.lookupNode(self._manager)
+            if has_service(self._manager + "/load_nodelet"):
+                uri = rosgraph.Master(rospy.get_name()).lookupNode(self._manager)
         if uri and not _answers(uri):
             uri = ""
         if not uri and not self._waiting and not rospy.core.is_shutdown_requested():

@@ -4,10 +4,10 @@ from typing import Any, Dict, List
 
 from .. import color_channels, color_spaces, range_around
 from ..color.colors import median_color, outside
+from ..ros.graph_master import graph_name
 from .color_names import color_names, range_values
 from .color_pixels import bgr_around
 from .fields import Field, Number, Text
-from .graph_master import graph_name
 from .message_topics import SharedTopics
 from .operations import Operation
 from .parameter_node import ParameterNode

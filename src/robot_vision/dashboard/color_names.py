@@ -4,7 +4,7 @@ from typing import Any, Dict, List, Tuple
 
 from ..color.named_colors import ADD
 from ..common.plain_text import brief
-from .graph_master import graph_name, server_param
+from ..ros.graph_master import graph_name, server_param
 
 HSV = ("h_low", "s_low", "v_low", "h_high", "s_high", "v_high")
 NUMBERED = ("low_1", "low_2", "low_3", "high_1", "high_2", "high_3")

@@ -4,11 +4,11 @@ from typing import Any, Dict
 
 from ..common.plain_text import printable
 from ..faces.gallery_files import valid_name
+from ..ros.graph_master import graph_name, server_param
 from ..srv import EnrollFace, ForgetName, ListNames
 from .face_folder import gallery_of, small_picture
 from .fields import Number, Text
 from .graph_calls import call_node
-from .graph_master import graph_name, server_param
 from .operations import Operation
 from .sessions import Session
 from .settings import Settings

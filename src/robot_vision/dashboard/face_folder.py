@@ -10,7 +10,7 @@ from ..common.files import read_file
 from ..common.image_files import upright
 from ..common.plain_text import brief, printable
 from ..faces.gallery_files import MAX_FILE, folder_of, image_paths, inside
-from .graph_master import graph_name, server_param
+from ..ros.graph_master import graph_name, server_param
 
 MAX_SIDE = 96  # px of an image that the page gets
 JPEG_QUALITY = 80

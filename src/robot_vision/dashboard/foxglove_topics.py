@@ -8,8 +8,8 @@ from typing import Any, Callable, Dict, List, Optional, Set, Tuple
 import rospy
 
 from ..common.throttle import Throttle
+from ..ros.graph_master import MasterCalls
 from .foxglove_protocol import TopicChannel
-from .graph_master import MasterCalls
 from .message_topics import RawMessage, RawTopic, class_of
 
 LOOK_PERIOD = 1.0  # s between two looks at the topics while a client is there

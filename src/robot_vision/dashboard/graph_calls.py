@@ -13,7 +13,7 @@ import rosgraph.network
 import rospy
 
 from ..common.plain_text import printable
-from .graph_master import MAX_REASON, MasterCalls, graph_name, parsed, reason_of
+from ..ros.graph_master import MAX_REASON, MasterCalls, graph_name, parsed, reason_of
 
 TIMEOUT = 5.0  # s
 MAX_REPLY = 16 << 20  # bytes of an answer

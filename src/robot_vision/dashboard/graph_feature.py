@@ -9,7 +9,7 @@ import rospy
 
 from ..common.plain_text import error_text
 from ..common.throttle import Throttle
-from .graph_master import MasterCalls, parsed
+from ..ros.graph_master import MasterCalls, parsed
 from .graph_state import (
     State,
     is_image,

@@ -11,8 +11,8 @@ import rospy
 
 from ..common.plain_text import error_text
 from ..common.throttle import Throttle
+from ..ros.graph_master import graph_name
 from ..ros.transport import Frame
-from .graph_master import graph_name
 from .image_source import ImageSource, RosSubscriptions
 from .image_stream import ImageStream, Viewer
 from .image_topics import ImageTopics

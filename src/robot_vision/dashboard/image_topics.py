@@ -4,7 +4,7 @@ import contextlib
 from typing import Any, Dict, FrozenSet, List, NamedTuple, Tuple
 
 from ..common.plain_text import printable
-from .graph_master import MasterCalls, server_param
+from ..ros.graph_master import MasterCalls, server_param
 
 IMAGE, COMPRESSED_IMAGE = "sensor_msgs/Image", "sensor_msgs/CompressedImage"
 BESIDE = "/compressed"  # what follows the name of a topic for its JPEGs

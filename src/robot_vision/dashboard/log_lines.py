@@ -6,8 +6,8 @@ from typing import Any, Callable, NamedTuple
 from rosgraph_msgs.msg import Log
 
 from ..common.plain_text import printable
+from ..ros.graph_master import MasterCalls
 from .encoding import to_json
-from .graph_master import MasterCalls
 from .message_topics import RawMessage, RawTopic
 
 TOPIC = "/rosout"

@@ -19,7 +19,7 @@ import rospy
 
 from ..common.plain_text import printable
 from ..common.throttle import Throttle
-from .graph_master import graph_name, require_master
+from ..ros.graph_master import graph_name, require_master
 
 MAX_CLASSES = 500  # message types whose classes are kept
 

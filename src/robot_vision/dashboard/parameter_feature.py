@@ -6,10 +6,10 @@ from typing import Any, Dict, List
 from std_srvs.srv import Trigger
 
 from ..common.plain_text import printable
+from ..ros.graph_master import graph_name, has_service
 from .color_names import colors_at_start
 from .fields import Mapping, Text
 from .graph_calls import call_node
-from .graph_master import graph_name, has_service
 from .message_topics import SharedTopics
 from .operations import Operation
 from .parameter_description import parameters_in

@@ -3,11 +3,11 @@
 from typing import Any, Dict
 
 from ..common.plain_text import printable
+from ..ros.graph_master import graph_name, has_service
 from ..ros.messages import region_of
 from ..srv import ForgetObject, SelectObject
 from .fields import Number, Region, Text
 from .graph_calls import call_node
-from .graph_master import graph_name, has_service
 from .operations import Operation
 from .select_topics import NodeTopics
 from .sessions import Session

@@ -6,7 +6,7 @@ from typing import Any, Tuple
 
 import rospy
 
-from .graph_master import graph_name, require_master
+from ..ros.graph_master import graph_name, require_master
 
 CONNECTION_TIMEOUT = 2.0  # s until the node must have connected
 MAX_PUBLISHERS = 32  # that stay connected

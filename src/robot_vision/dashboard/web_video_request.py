@@ -3,8 +3,8 @@
 from typing import Mapping, NamedTuple, Tuple
 
 from ..common.plain_text import brief
+from ..ros.graph_master import graph_name
 from .channels import JPEG, PNG
-from .graph_master import graph_name
 from .pictures import Wish
 
 MAX_SIDE = 8192  # px

@@ -6,15 +6,14 @@ import threading
 import time
 from typing import Collection, Dict, Set
 
-import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from std_srvs.srv import Trigger
 
 from ..common.throttle import Throttle
 from ..ros.context import current
+from ..ros.graph_master import has_service
 from ..ros.params import read_param
-from ..ros.registration import UNREACHABLE_ERRORS
 from ..ros.startup import run_node
 from .window_tiles import Tiles
 
@@ -155,14 +154,11 @@ class DemoStatus:
         self._without_news = 0 if news else self._without_news + 1
         if self._without_news > LAST_WITHOUT_NEWS:
             return True
-        return len(reported) == len(self._topics) and is_there(PRINT_ADDRESS)
-
-
-def is_there(service: str) -> bool:
-    """Returns whether a service is there, as the master says; False if that does not answer."""
-    with contextlib.suppress(*UNREACHABLE_ERRORS):
-        return bool(rosgraph.Master(rospy.get_name()).lookupService(current().resolve(service)))
-    return False
+        if len(reported) < len(self._topics):
+            return False
+        with contextlib.suppress(OSError):  # The master does not answer.
+            return has_service(current().resolve(PRINT_ADDRESS))
+        return False
 
 
 def print_address() -> None:
