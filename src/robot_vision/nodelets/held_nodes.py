@@ -25,7 +25,11 @@ Node = Union[LoadedNode, Nodelet, str]
 
 
 class HeldNodes:
-    """Loads and unloads nodes. Thread-safe: a node that takes long to start delays no other."""
+    """Loads and unloads nodes. Thread-safe.
+
+    A node in Python that takes long to start delays no other. Nodelets start and end one by one,
+    as in nodelet's own managers, which they may rely on.
+    """
 
     def __init__(self) -> None:
         self._runtime = process_runtime()
