@@ -239,6 +239,7 @@ def test_an_invalid_stamp_is_passed_on_unchanged(source):
         (np.zeros((4, 6), np.float16), "32FC1", TypeError),
         (np.zeros((4, 6), np.int64), "32SC1", TypeError),
         (np.zeros((4, 6), object), "mono8", TypeError),
+        (np.zeros((4, 6), "V0"), "mono8", TypeError),
         (np.zeros(24, np.uint8), "mono8", ValueError),
         (np.zeros((1, 4, 6, 3), np.uint8), "bgr8", ValueError),
         (np.zeros((4, 6), np.uint8), "bgr8", ValueError),
