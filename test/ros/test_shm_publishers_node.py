@@ -11,6 +11,8 @@ from frames import Frames, Source, message, new_topic, noise
 from sensor_msgs.msg import Image
 from shared_images import REPUBLISH, Reader, uses_raw, uses_shm
 
+from robot_vision.msg import ShmImage
+
 ROUNDS = 5
 DROPPED = "frames not shared"  # on /diagnostics
 RATE = 30.0  # Hz, at which images are sent at most, each when a plain subscriber has the one before
@@ -37,6 +39,28 @@ class CameraNode:
     def kill(self):
         self.process.kill()
         self.process.exit_code()
+
+
+class FarCamera(rospy.SubscribeListener):
+    """A camera of another host: what it shares cannot be read here."""
+
+    def __init__(self, topic):
+        self.connections = 0
+        self._raw = rospy.Publisher(topic, Image, queue_size=1)
+        self._shared = rospy.Publisher(
+            topic + "/shm", ShmImage, subscriber_listener=self, queue_size=1
+        )
+
+    def peer_subscribe(self, *_):
+        self.connections += 1
+        support.arrived.set()
+
+    def send(self):
+        self._shared.publish(ShmImage(encoding="mono8", height=1, width=1, step=1, bytes=1))
+
+    def close(self):
+        self._shared.unregister()
+        self._raw.unregister()
 
 
 @pytest.fixture
@@ -153,6 +177,25 @@ def test_two_publishers_of_which_one_has_no_shm(camera):
     support.wait_for(both, "frames of both publishers, over raw")
     source.close()
     support.wait_for(lambda: uses_shm(my_images(), camera.topic), "shm again")
+
+
+def test_what_one_of_two_cameras_shares_is_tried_again_less_and_less_often(start, camera):
+    camera.begin(80, 64)
+    reader = Reader(start, camera.topic)
+    out = support.Messages(reader.target, Image)
+    far = FarCamera(camera.topic)
+
+    def pause():
+        """Has the reader, which has read the near camera's frames, find a frame that it cannot."""
+        support.wait_for(lambda: uses_shm(reader.node, camera.topic), "frames over shm")
+        out.wait(len(out.received) + 3)
+        begin, before = time.monotonic(), far.connections
+        far.send()
+        support.wait_for(lambda: far.connections > before, "the reader again")
+        return time.monotonic() - begin
+
+    support.wait_for(lambda: pause() >= 2.0, "a longer pause than the first one of 1 s")
+    far.close()
 
 
 def test_two_cameras_on_one_topic_share_both(start):

@@ -2,7 +2,6 @@
 
 #include <robot_vision/ShmImage.h>
 
-#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -11,6 +10,7 @@
 #include <utility>
 
 #include "frame_handover.hpp"
+#include "growing_pause.hpp"
 #include "robot_vision/common/printable.hpp"
 #include "robot_vision/common/shared_instance.hpp"
 #include "robot_vision/common/throttle.hpp"
@@ -28,7 +28,7 @@ using Clock = std::chrono::steady_clock;
 using Way = FrameHandover::Way;
 
 constexpr std::chrono::seconds kMixedPause(5);  // until it is seen again whether all publishers offer shm
-constexpr std::chrono::seconds kMinFaultPause(1), kMaxFaultPause(32);
+constexpr std::chrono::seconds kMinFaultPause(1), kMaxFaultPause(32);  // where not all that offer shm can be read
 constexpr std::chrono::seconds kUnofferedTimeout(3);  // after which it is told that no publisher offers shm
 
 }  // namespace
@@ -85,12 +85,13 @@ private:
   const std::function<void()> wake_watch_;
   FrameHandover handover_;
   SharedImages images_;
-  std::atomic<bool> faulty_{false};  // frames could not be read since the last review
-  std::atomic<int> faults_{0};       // times that they could not, since the last frame that could
+  std::atomic<bool> faulty_{false};    // frames could not be read since the last review
+  std::atomic<bool> readable_{false};  // frames could be read since the last fault
   std::atomic<bool> warned_{false};
 
   // Only the thread that reviews uses these.
-  Clock::time_point paused_until_;
+  GrowingPause fault_pause_{kMinFaultPause, kMaxFaultPause};
+  Clock::time_point mixed_until_;
   Clock::time_point shared_since_;  // when the subscription to shm began
   SharedOffers offers_;
   Throttle refused_;
@@ -146,7 +147,7 @@ void AutoSubscription::State::onShared(const boost::shared_ptr<const ShmImage>& 
   try
   {
     image = images_.hold(*message);
-    faults_ = 0;
+    readable_ = true;
   }
   catch (const SharedMemoryError& error)
   {
@@ -205,12 +206,8 @@ void AutoSubscription::State::review()
 
 void AutoSubscription::State::decide(Clock::time_point now)
 {
-  if (faulty_.exchange(false))
-  {
-    const auto pause = kMinFaultPause * (1 << std::min(faults_++, 5));
-    paused_until_ = now + std::min<std::chrono::seconds>(pause, kMaxFaultPause);
-  }
-  if (isPublishedHere(pair_.topic()) || now < paused_until_)
+  if (faulty_.exchange(false)) fault_pause_.begin(now, readable_.exchange(false));
+  if (isPublishedHere(pair_.topic()) || fault_pause_.isOn(now) || now < mixed_until_)
     useRaw(true);
   else
     follow(now);
@@ -253,7 +250,7 @@ void AutoSubscription::State::judge(std::uint32_t connections, Clock::time_point
   if (answer == SharedOffers::Answer::kAll && !faulty_) handover_.allow(Way::kShared);
   if (answer != SharedOffers::Answer::kNotAll) return;
   warn("a publisher of it does not offer shm");
-  paused_until_ = now + kMixedPause;
+  mixed_until_ = now + kMixedPause;
   useRaw(false);
 }
 
