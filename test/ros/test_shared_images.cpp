@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ros/images/shared_image.hpp"
+#include "ros/images/shared_topic.hpp"
 #include "ros/shared_memory/slot_writer.hpp"
 
 using namespace robot_vision;
@@ -55,3 +56,29 @@ TEST_P(SharedImagesOfSlots, whoKeepsManyGetsAllFrames)
 }
 
 INSTANTIATE_TEST_SUITE_P(SharedImages, SharedImagesOfSlots, testing::Values(2, 5, 16, 32));
+
+TEST(SharedTopic, eachTellsThatItHasNoMemoryLeft)
+{
+  ros::Time::init();  // which rosconsole puts before each message
+  const std::vector<std::uint8_t> pixels(kBytes);
+  testing::internal::CaptureStderr();
+  for (const std::string name : {"/one", "/other"})
+  {
+    SharedTopic topic(name);
+    const auto is_read = std::make_shared<SharedTopic::IsRead>([] { return true; });
+    topic.addPublisher(is_read);
+    std::vector<SharedTopic::Published> held;
+    do
+      held.emplace_back();
+    while (topic.publish({}, pixels.data(), kBytes, held.back()));
+    EXPECT_FALSE(topic.publish({}, pixels.data(), kBytes, held.back()));
+    EXPECT_EQ(topic.dropped(), 2U);
+  }
+  const std::string log = testing::internal::GetCapturedStderr();
+  for (const std::string name : {"/one", "/other"})
+  {
+    const std::string warning = name + ": a frame is not published over shm: ";
+    EXPECT_NE(log.find(warning), std::string::npos) << log;
+    EXPECT_EQ(log.find(warning), log.rfind(warning)) << log;
+  }
+}

@@ -185,15 +185,16 @@ Bonds::Clock::time_point Bonds::giveSigns()
 }
 
 /// Whether the other side has not been heard in time. If nothing is to be missed it has more time.
-bool Bonds::isMissed(const std::string& id, Bond& one, Clock::time_point now) const
+bool Bonds::isMissed(const std::string& id, Bond& one, Clock::time_point now)
 {
   if (now < one.limit) return false;
   bool is_disabled = false;
   if (one.ended || one.other.empty() ||
       !ros::param::getCached(bond::Constants::DISABLE_HEARTBEAT_TIMEOUT_PARAM, is_disabled) || !is_disabled)
     return true;
-  ROS_WARN_THROTTLE(10.0, "the bond %s is kept without signs of life, as %s is true", id.c_str(),
-                    bond::Constants::DISABLE_HEARTBEAT_TIMEOUT_PARAM.c_str());
+  if (kept_.due())
+    ROS_WARN("the bond %s is kept without signs of life, as %s is true", id.c_str(),
+             bond::Constants::DISABLE_HEARTBEAT_TIMEOUT_PARAM.c_str());
   one.limit = now + nanoseconds(times_.heartbeat);
   return false;
 }

@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "robot_vision/common/throttle.hpp"
 #include "ros/images/callback_gate.hpp"
 #include "ros/images/waker.hpp"
 
@@ -73,7 +74,7 @@ private:
   void work();
   void take(const bond::Status& status);
   Clock::time_point giveSigns();
-  bool isMissed(const std::string& id, Bond& bond, Clock::time_point now) const;
+  bool isMissed(const std::string& id, Bond& bond, Clock::time_point now);
   void note(const std::string& id, bool active);
   void noteBroken(const std::string& id);
   void publishNoted();
@@ -87,6 +88,7 @@ private:
   ros::Publisher publisher_;
   ros::Subscriber subscriber_;
   std::thread worker_;
+  Throttle kept_;
 
   std::mutex mutex_;  // guards all below; it is never held while roscpp may wait for the master
   std::condition_variable changed_;

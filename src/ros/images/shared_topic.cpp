@@ -100,8 +100,8 @@ bool SharedTopic::publish(const sensor_msgs::Image& image, const std::uint8_t* p
     if (!published.slot)
     {
       ++dropped_;
-      ROS_WARN_THROTTLE(10.0, "%s: a frame is not published over shm: %s", topic_.c_str(),
-                        writer_.counts().reason.c_str());
+      if (unpublished_.due())
+        ROS_WARN("%s: a frame is not published over shm: %s", topic_.c_str(), writer_.counts().reason.c_str());
       return false;
     }
     setAddress(published.slot->publish(), published.message);

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "robot_vision/common/throttle.hpp"
 #include "ros/shared_memory/slot_writer.hpp"
 
 namespace robot_vision
@@ -63,6 +64,7 @@ private:
   mutable std::mutex mutex_;  // guards publishers_
   std::vector<std::weak_ptr<IsRead>> publishers_;
   std::atomic<std::uint64_t> dropped_{0};
+  Throttle unpublished_;
   SlotWriter writer_;
 };
 
