@@ -1,6 +1,7 @@
 #include "frame_statistics.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "robot_vision/common/printable.hpp"
 #include "robot_vision/common/range.hpp"
@@ -101,41 +102,51 @@ FrameStatistics::Totals FrameStatistics::totals()
   return totals_;
 }
 
-void FrameStatistics::report(diagnostic_updater::DiagnosticStatusWrapper& status)
+/// Takes what there is to tell since the last report.
+FrameStatistics::Report FrameStatistics::takeReport()
 {
   const std::lock_guard<std::mutex> lock(mutex_);
-  const double seconds = std::chrono::duration<double>(Clock::now() - period_.begin).count();
-  const auto mean = [](double sum, std::uint64_t count)
-  { return sum / static_cast<double>(std::max<std::uint64_t>(1, count)); };
-  if (period_.received == 0 && !silence_.empty())
+  const Clock::time_point now = Clock::now();
+  const bool is_silent = period_.received == 0 && !silence_.empty();
+  if (!is_silent)
   {
-    status.summary(diagnostic_msgs::DiagnosticStatus::WARN, silence_);
-    if (Clock::now() - last_active_ > kSilenceTimeout && !silence_reported_)
-    {
-      ROS_WARN("%s for %ld s", silence_.c_str(), static_cast<long>(kSilenceTimeout.count()));
-      silence_reported_ = true;
-    }
-  }
-  else
-  {
-    status.summary(level_, state_);
-    last_active_ = Clock::now();
+    last_active_ = now;
     silence_reported_ = false;
   }
-  if (period_.refused > 0)
+  const bool is_late = now - last_active_ > kSilenceTimeout;
+  Report report;
+  report.period = std::exchange(period_, Period());
+  report.seconds = std::chrono::duration<double>(now - report.period.begin).count();
+  report.totals = totals_;
+  report.level = is_silent ? static_cast<unsigned char>(diagnostic_msgs::DiagnosticStatus::WARN) : level_;
+  report.state = is_silent ? silence_ : state_;
+  report.becomes_late = is_late && !std::exchange(silence_reported_, true);
+  report.last_error = last_error_;
+  report.unshared = unshared_;
+  return report;
+}
+
+void FrameStatistics::report(diagnostic_updater::DiagnosticStatusWrapper& status)
+{
+  const Report report = takeReport();
+  if (report.becomes_late) ROS_WARN("%s for %ld s", report.state.c_str(), static_cast<long>(kSilenceTimeout.count()));
+  const Period& period = report.period;
+  const auto mean = [](double sum, std::uint64_t count)
+  { return sum / static_cast<double>(std::max<std::uint64_t>(1, count)); };
+  status.summary(report.level, report.state);
+  if (period.refused > 0)
     status.mergeSummaryf(diagnostic_msgs::DiagnosticStatus::WARN, "%lu frames refused",
-                         static_cast<unsigned long>(period_.refused));
-  status.addf("input rate (Hz)", "%.2f", static_cast<double>(period_.received) / seconds);
-  status.addf("output rate (Hz)", "%.2f", static_cast<double>(period_.published) / seconds);
-  status.addf("processing time (ms)", "%.3f", mean(period_.processing_s, period_.published) * 1e3);
-  status.addf("output age (ms)", "%.3f", mean(period_.age_s, period_.stamped) * 1e3);
-  status.add("frames received", totals_.received);
-  status.add("frames published", totals_.published);
-  status.add("frames dropped", totals_.dropped);
-  status.add("frames refused", totals_.refused);
-  if (unshared_) status.add("frames not shared", unshared_());
-  status.add("last error", last_error_);
-  period_ = Period();
+                         static_cast<unsigned long>(period.refused));
+  status.addf("input rate (Hz)", "%.2f", static_cast<double>(period.received) / report.seconds);
+  status.addf("output rate (Hz)", "%.2f", static_cast<double>(period.published) / report.seconds);
+  status.addf("processing time (ms)", "%.3f", mean(period.processing_s, period.published) * 1e3);
+  status.addf("output age (ms)", "%.3f", mean(period.age_s, period.stamped) * 1e3);
+  status.add("frames received", report.totals.received);
+  status.add("frames published", report.totals.published);
+  status.add("frames dropped", report.totals.dropped);
+  status.add("frames refused", report.totals.refused);
+  if (report.unshared) status.add("frames not shared", report.unshared());
+  status.add("last error", report.last_error);
 }
 
 FrameDiagnostics::FrameDiagnostics(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, const std::string& name)

@@ -66,6 +66,21 @@ private:
     double age_s = 0.0;         // sum over the stamped frames
   };
 
+  /// What a report tells, which is told without the lock: a log that stands still must not hold up frames.
+  struct Report
+  {
+    Period period;
+    double seconds = 0.0;  // its length
+    Totals totals;
+    unsigned char level = 0;
+    std::string state;
+    bool becomes_late = false;  // no frame has come for so long that it is to be logged
+    std::string last_error;
+    std::function<std::uint64_t()> unshared;
+  };
+
+  Report takeReport();
+
   std::mutex mutex_;  // guards all below, which callbacks, capture threads and the diagnostics timer use
   Period period_;
   bool has_sequence_ = false;
