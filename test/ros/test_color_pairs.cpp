@@ -7,6 +7,7 @@
 #include "ros/depth/cloud_pool.hpp"
 #include "ros/depth/color_pairs.hpp"
 #include "ros/images/stamps.hpp"
+#include "ros/images/waiting_images.hpp"
 
 using namespace robot_vision;
 
@@ -136,8 +137,8 @@ TEST(ColorPairs, keepFewImages)
   cameras.depth(1100);
   EXPECT_EQ(cameras.found, "1100-1100 ");
   Cameras large(0.02);
-  large.color(1000, ColorPairs::kMaxBytes / 2 + 1);
-  large.color(2000, ColorPairs::kMaxBytes / 2 + 1);
+  large.color(1000, kMaxWaitingBytes / 2 + 1);
+  large.color(2000, kMaxWaitingBytes / 2 + 1);
   large.depth(1000);
   EXPECT_EQ(large.found, "");
   large.depth(2000);

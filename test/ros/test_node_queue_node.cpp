@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "ros/images/embedded_roscpp_node.hpp"
+#include "ros/images/waiting_images.hpp"
 #include "support/receiver.hpp"
 
 using namespace robot_vision;
@@ -147,9 +148,10 @@ struct ActingQueue : ros::CallbackQueueInterface
 struct CountingListener : ProcessImages::Listener
 {
   void onComing() override { ++coming; }
-  void onFrame(const std::shared_ptr<ProcessFrame>& /*frame*/) override {}
+  void onFrame(const std::shared_ptr<ProcessFrame>& /*frame*/) override { ++frames; }
 
   std::atomic<int> coming{0};
+  std::atomic<int> frames{0};
 };
 
 class Counting : public ros::CallbackInterface
@@ -241,6 +243,37 @@ TEST(LatestImageSubscriber, whatIsClosedBeforeItIsAddedGetsNoFrames)
   publisher.publish(makeMessage(1));
   EXPECT_TRUE(waitFor([&] { return other.coming > 0; }));
   EXPECT_FALSE(waker->waitUntil(Waker::Clock::now()));
+  images->remove(other);
+}
+
+TEST(LatestImageSubscriber, fewLargeImagesWaitForTheirCameraInfo)
+{
+  const auto subscriptions = std::make_shared<ProcessSubscriptions>();
+  const auto images = subscriptions->take("/large/image", "raw");
+  ros::Publisher publisher = ros::NodeHandle().advertise<sensor_msgs::Image>("/large/image", 1);
+  LatestImageSubscriber inbox({"/large/image", "raw", "~", "", "/large/camera_info"},
+                              {ros::NodeHandle(), subscriptions, std::make_shared<Waker>()},
+                              std::make_shared<FrameStatistics>());
+  inbox.open();
+  CountingListener other;
+  images->add(other, "~");
+  ASSERT_TRUE(waitFor([&] { return publisher.getNumSubscribers() == 1; }));
+  std::vector<boost::weak_ptr<sensor_msgs::Image>> sent;
+  for (int count = 1; count <= 2; ++count)
+  {
+    auto message = makeMessage(0);
+    message->data.resize(kMaxWaitingBytes / 2 + 1);
+    sent.push_back(message);
+    publisher.publish(std::move(message));
+    ASSERT_TRUE(waitFor(
+        [&]
+        {
+          inbox.take();
+          return other.frames == count;
+        }));
+  }
+  EXPECT_TRUE(sent[0].expired());
+  EXPECT_FALSE(sent[1].expired());
   images->remove(other);
 }
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "ros/images/waiting_images.hpp"
 #include "ros/stereo/stereo_pairs.hpp"
 #include "ros/stereo/stereo_points.hpp"
 
@@ -165,8 +166,8 @@ TEST(StereoPairs, dropTheOldestOfMany)
   Cameras of_bytes;
   of_bytes.info(kLeft, 1.0);
   of_bytes.info(kLeft, 2.0);
-  of_bytes.image(kLeft, 1.0, StereoPairs::kMaxBytes / 2 + 1);
-  of_bytes.image(kLeft, 2.0, StereoPairs::kMaxBytes / 2 + 1);
+  of_bytes.image(kLeft, 1.0, kMaxWaitingBytes / 2 + 1);
+  of_bytes.image(kLeft, 2.0, kMaxWaitingBytes / 2 + 1);
   of_bytes.both(kRight, 1.0);
   of_bytes.both(kRight, 2.0);
   EXPECT_EQ(of_bytes.found, "2-2 ");

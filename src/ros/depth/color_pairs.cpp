@@ -4,6 +4,7 @@
 
 #include "robot_vision/common/range.hpp"
 #include "ros/images/stamps.hpp"
+#include "ros/images/waiting_images.hpp"
 
 namespace robot_vision
 {
@@ -19,8 +20,8 @@ std::optional<ColoredDepth> ColorPairs::addDepth(const sensor_msgs::ImageConstPt
 std::optional<ColoredDepth> ColorPairs::addColor(const sensor_msgs::ImageConstPtr& color)
 {
   colors_.push_back(color);
-  while (colors_.size() > kMaxColors || (colors_.size() > 1 && bytesOf(colors_) > kMaxBytes))
-    colors_.pop_front();
+  dropOldest(
+      colors_, kMaxColors, [](const auto& image) -> const auto& { return *image; });
   return pair(true);
 }
 

@@ -22,8 +22,7 @@ struct ColoredDepth
 class ColorPairs
 {
 public:
-  static constexpr std::size_t kMaxColors = 4;                    // that are kept
-  static constexpr std::size_t kMaxBytes = std::size_t{1} << 27;  // of these, or one image
+  static constexpr std::size_t kMaxColors = 4;     // that are kept
   static constexpr std::size_t kMaxUnpaired = 20;  // depth images in a row without one, until that is told
 
   explicit ColorPairs(double slop) : slop_(slop) {}

@@ -7,6 +7,7 @@
 #include "bounded_reading.hpp"
 #include "image_message.hpp"
 #include "subscribing_lock.hpp"
+#include "waiting_images.hpp"
 
 namespace robot_vision
 {
@@ -115,9 +116,12 @@ void LatestImageSubscriber::onFrame(const std::shared_ptr<ProcessFrame>& frame)
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!open_) return;
   frames_.push_back(frame);
-  if (frames_.size() <= (params_.camera_info_topic.empty() ? 1 : kMaxUnpaired)) return;
-  frames_.pop_front();
-  if (!params_.camera_info_topic.empty() && throttle_.due())
+  const bool waits = !params_.camera_info_topic.empty();
+  const auto image_of = [](const auto& one) -> const auto&
+  {
+    return *one->message();
+  };
+  if (dropOldest(frames_, waits ? kMaxUnpaired : 1, image_of) && waits && throttle_.due())
     ROS_WARN("images of %s without a camera_info of the same stamp on %s", params_.topic.c_str(),
              params_.camera_info_topic.c_str());
 }

@@ -37,12 +37,4 @@ std::string timeText(const ros::Time& stamp)
   return text;
 }
 
-std::size_t bytesOf(const std::deque<sensor_msgs::ImageConstPtr>& images)
-{
-  std::size_t sum = 0;
-  for (const auto& image : images)
-    sum += image->data.size();
-  return sum;
-}
-
 }  // namespace robot_vision

@@ -1,10 +1,7 @@
 #pragma once
 
 #include <ros/node_handle.h>
-#include <sensor_msgs/Image.h>
 
-#include <cstddef>
-#include <deque>
 #include <string>
 
 namespace robot_vision
@@ -20,8 +17,5 @@ double secondsBetween(const ros::Time& a, const ros::Time& b);
 
 /// A stamp as "12.000000034", s.
 std::string timeText(const ros::Time& stamp);
-
-/// The bytes of the pixels of all images.
-std::size_t bytesOf(const std::deque<sensor_msgs::ImageConstPtr>& images);
 
 }  // namespace robot_vision

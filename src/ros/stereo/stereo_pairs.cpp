@@ -2,6 +2,7 @@
 
 #include "robot_vision/common/range.hpp"
 #include "ros/images/stamps.hpp"
+#include "ros/images/waiting_images.hpp"
 
 namespace robot_vision
 {
@@ -40,8 +41,8 @@ std::optional<StereoPair> StereoPairs::add(std::size_t side, const sensor_msgs::
 {
   auto& images = cameras_[side].images;
   images.push_back(image);
-  while (images.size() > kMaxImages || (images.size() > 1 && bytesOf(images) > kMaxBytes))
-    images.pop_front();
+  dropOldest(
+      images, kMaxImages, [](const auto& one) -> const auto& { return *one; });
   ++unpaired_;
   return take();
 }

@@ -36,10 +36,9 @@ struct StereoTopics
 class StereoPairs
 {
 public:
-  static constexpr std::size_t kMaxImages = 8;                    // that wait, of each camera
-  static constexpr std::size_t kMaxInfos = 32;                    // likewise
-  static constexpr std::size_t kMaxBytes = std::size_t{1} << 27;  // of images that wait, of each camera, or one image
-  static constexpr std::size_t kMaxUnpaired = 20;                 // images in a row without a pair, until that is told
+  static constexpr std::size_t kMaxImages = 8;     // that wait, of each camera
+  static constexpr std::size_t kMaxInfos = 32;     // likewise
+  static constexpr std::size_t kMaxUnpaired = 20;  // images in a row without a pair, until that is told
 
   explicit StereoPairs(double slop = 0.0) : slop_(slop) {}
 
