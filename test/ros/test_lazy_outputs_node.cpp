@@ -12,9 +12,11 @@
 #include <chrono>
 #include <functional>
 #include <future>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "nodelets/factories.hpp"
 #include "ros/depth/frame_transforms.hpp"
@@ -147,6 +149,63 @@ TEST(ImageNodelet, isCalledWhenItHasBegun)
   nodelet.init("/asked", {}, {});
   EXPECT_FALSE(AskedAtOnce::is_early);
   EXPECT_TRUE(AskedAtOnce::answered.get());
+}
+
+namespace
+{
+
+/// Has a topic of images and one of other messages.
+struct TwoResults
+{
+  TwoResults(const ros::NodeHandle& /*nh*/, const ros::NodeHandle& /*pnh*/) {}
+
+  void configure(const BrightnessConfig& /*config*/) {}
+
+  void advertise(LazyOutputs& outputs)
+  {
+    outputs.advertiseImages("images");
+    outputs.advertise<sensor_msgs::CameraInfo>("messages");
+  }
+
+  void process(const sensor_msgs::ImageConstPtr& /*message*/, const cv::Mat& /*image*/, LazyOutputs& /*outputs*/) {}
+};
+
+/// An input that looks only when it is told to.
+class ToldInput
+{
+public:
+  ToldInput(const ros::NodeHandle& /*nh*/, const ros::NodeHandle& /*pnh*/, const std::string& /*name*/,
+            const LazyImageInput::Process& /*process*/, std::function<bool()> is_wanted,
+            const std::function<void(bool)>& /*on_listen*/)
+    : is_wanted_(std::move(is_wanted))
+  {
+  }
+
+  FrameStatistics& statistics() { return statistics_; }
+  void start() {}
+  void update() { is_seen_wanted = is_wanted_(); }
+
+  static inline std::atomic<bool> is_seen_wanted{false};
+
+private:
+  std::function<bool()> is_wanted_;
+  FrameStatistics statistics_;
+};
+
+}  // namespace
+
+TEST(ImageNodelet, hasItsInputLookWhenSubscribersComeAndGo)
+{
+  ImageNodelet<BrightnessConfig, TwoResults, ToldInput> nodelet;
+  nodelet.init("/told", {}, {});
+  const auto are_seen = [](auto subscriber)
+  {
+    if (!waitFor([] { return ToldInput::is_seen_wanted.load(); })) return false;
+    subscriber.reset();
+    return waitFor([] { return !ToldInput::is_seen_wanted; });
+  };
+  ASSERT_TRUE(are_seen(std::make_unique<Receiver<sensor_msgs::Image>>("/told/images")));
+  EXPECT_TRUE(are_seen(std::make_unique<Receiver<sensor_msgs::CameraInfo>>("/told/messages")));
 }
 
 TEST(ImageSubscription, isNoneAfterItsEnd)

@@ -56,15 +56,6 @@ def wait_for(condition: Callable[[], Any], what: str, seconds: float = DEADLINE)
     raise AssertionError(f"not within {seconds:.0f} s: {what}")
 
 
-def slowness() -> float:
-    """How many times slower this process computes now than alone on the machine."""
-    work = 0.05  # s
-    begin, worked = time.monotonic(), time.thread_time()
-    while time.thread_time() - worked < work:
-        pass
-    return max(1.0, (time.monotonic() - begin) / work)
-
-
 def has_service(master: rosgraph.Master, service: str) -> bool:
     """True if a master, which may not be running yet, knows the service."""
     try:
