@@ -9,8 +9,7 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kFirstFeatures = kCodeFeatures / 2;  // after which most templates are known not to fit
-constexpr int kMore = kMaxScore / 2;               // what the others can add: each half has half of each kind
+constexpr int kFirstFeatures = kCodeFeatures / 2;
 constexpr int kMostOfByte = 255;
 
 /// Bins of the edges and surfaces that may be of an object there; where no depth is known, only those of the image.
@@ -80,15 +79,22 @@ struct Sums
     }
   }
 
-  /// A bit for each place whose sum is above its floor if it grows by `more`.
-  std::uint64_t above(const std::uint8_t* floors, int more) const
+  Sums doubled() const
+  {
+    Sums twice;
+    for (int i = 0; i < kVectors; ++i)
+      twice.parts[i] = Simd::addSaturated(parts[i], parts[i]);
+    return twice;
+  }
+
+  /// A bit for each place whose sum is above its floor.
+  std::uint64_t above(const std::uint8_t* floors) const
   {
     std::uint64_t bits = 0;
     for (int i = 0; i < kVectors; ++i)
     {
-      const Simd::Vector most = Simd::addSaturated(parts[i], Simd::bytes(more));
       const Simd::Vector floor = Simd::load(floors + i * sizeof(Simd::Vector));
-      const std::uint64_t part = Simd::nonzeroBytes(Simd::subtractSaturated(most, floor));
+      const std::uint64_t part = Simd::nonzeroBytes(Simd::subtractSaturated(parts[i], floor));
       bits |= part << (i * static_cast<int>(sizeof(Simd::Vector)) & 63);
     }
     return bits;
@@ -102,9 +108,10 @@ std::uint64_t above(const std::uint8_t* planes, const std::uint16_t* features, c
   for (Simd::Vector& part : sums.parts)
     part = Simd::zeros();
   sums.add(planes, features, kFirstFeatures);
-  if (sums.above(floors, kMore) == 0) return 0;
+  const std::uint64_t likely = sums.doubled().above(floors);
+  if (likely == 0) return 0;
   sums.add(planes, features + kFirstFeatures, kCodeFeatures - kFirstFeatures);
-  const std::uint64_t bits = sums.above(floors, 0);
+  const std::uint64_t bits = likely & sums.above(floors);
   if (bits == 0) return 0;
   for (int i = 0; i < kVectors; ++i)
     Simd::store(scores + i * sizeof(Simd::Vector), sums.parts[i]);
@@ -123,11 +130,11 @@ void add(const std::uint8_t* planes, const std::uint16_t* features, int count, s
   }
 }
 
-std::uint64_t bitsAbove(const std::uint8_t* scores, const std::uint8_t* floors, int more)
+std::uint64_t bitsAbove(const std::uint8_t* scores, const std::uint8_t* floors, int times)
 {
   std::uint64_t bits = 0;
   for (int i = 0; i < kPlacesAtOnce; ++i)
-    bits |= std::uint64_t{lesser(scores[i] + more, kMostOfByte) > floors[i] ? 1U : 0U} << i;
+    bits |= std::uint64_t{lesser(times * scores[i], kMostOfByte) > floors[i] ? 1U : 0U} << i;
   return bits;
 }
 
@@ -137,9 +144,10 @@ std::uint64_t above(const std::uint8_t* planes, const std::uint16_t* features, c
   for (int i = 0; i < kPlacesAtOnce; ++i)
     scores[i] = 0;
   add(planes, features, kFirstFeatures, scores);
-  if (bitsAbove(scores, floors, kMore) == 0) return 0;
+  const std::uint64_t likely = bitsAbove(scores, floors, 2);
+  if (likely == 0) return 0;
   add(planes, features + kFirstFeatures, kCodeFeatures - kFirstFeatures, scores);
-  return bitsAbove(scores, floors, 0);
+  return likely & bitsAbove(scores, floors, 1);
 }
 
 #endif

@@ -49,8 +49,9 @@ struct SearchKernels
   /// Writes the planes of the cell in this column and row: kCellBins * kPlacesAtOnce bytes.
   void (*gather)(const SearchedFrame& frame, const PlaceLanes& lanes, int column, int row, std::uint8_t* planes);
 
-  /// A bit for each place whose score, the sum over the planes and 255 at most, is above its floor. The scores are
-  /// written only if there is one. Half of a code's score is expected of its second half at most.
+  /// A bit for each place whose score, the sum over the planes and 255 at most, is above its floor, as is twice the sum
+  /// over the first half of them: that has half of each kind of features, and most templates are known by it not to
+  /// fit. The scores are written only if there is such a place.
   std::uint64_t (*above)(const std::uint8_t* planes, const std::uint16_t* features, const std::uint8_t* floors,
                          std::uint8_t* scores);
 };

@@ -331,11 +331,11 @@ TEST(ViewKernels, tellPlacesAboveTheirFloors)
   cv::RNG random(9);
   for (std::size_t i = 0; i < planes.size(); ++i)
     planes[i] = static_cast<std::uint8_t>(i / kPlacesAtOnce % 2 == 0 ? 3 * random.uniform(0, 2) : random.uniform(0, 2));
-  int above = 0, none = 0;
+  int above = 0, none = 0, unlikely = 0;
   for (std::uint64_t round = 0; round < 200; ++round)
   {
     std::vector<std::uint16_t> code = integers<std::uint16_t>(kCodeFeatures, kPlanes / 2 - 1, 30 + round);
-    for (std::size_t i = 0; i < code.size(); ++i)  // what can be seen of a half is at most half of the score
+    for (std::size_t i = 0; i < code.size(); ++i)  // each half has half of each kind
       code[i] = static_cast<std::uint16_t>(2 * code[i] + (i % (kCodeFeatures / 2) < kCodeContours / 2 ? 0 : 1));
     std::vector<std::uint8_t> floors = integers<std::uint8_t>(kPlacesAtOnce, 80, 500 + round), scores(kPlacesAtOnce, 7);
     for (std::uint8_t& floor : floors)
@@ -345,11 +345,16 @@ TEST(ViewKernels, tellPlacesAboveTheirFloors)
     std::vector<std::uint8_t> sums(kPlacesAtOnce);
     for (int i = 0; i < kPlacesAtOnce; ++i)
     {
-      int sum = 0;
-      for (const std::uint16_t feature : code)
-        sum += planes[static_cast<std::size_t>(feature * kPlacesAtOnce + i)];
+      int sum = 0, half = 0;
+      for (std::size_t f = 0; f < code.size(); ++f)
+      {
+        sum += planes[static_cast<std::size_t>(code[f] * kPlacesAtOnce + i)];
+        if (f + 1 == code.size() / 2) half = sum;
+      }
       sums[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(sum);
-      expected |= std::uint64_t{sum > floors[static_cast<std::size_t>(i)] ? 1U : 0U} << i;
+      const int floor = floors[static_cast<std::size_t>(i)];
+      unlikely += sum > floor && 2 * half <= floor ? 1 : 0;
+      expected |= std::uint64_t{sum > floor && 2 * half > floor ? 1U : 0U} << i;
     }
     ASSERT_EQ(kernels<SearchKernels>().above(planes.data(), code.data(), floors.data(), scores.data()), expected);
     ++(expected != 0 ? above : none);
@@ -360,6 +365,7 @@ TEST(ViewKernels, tellPlacesAboveTheirFloors)
   }
   EXPECT_GT(above, 50);
   EXPECT_GT(none, 20);
+  EXPECT_GT(unlikely, 20);
 }
 
 TEST(ViewKernels, doNotCountBeyondTheLargestByte)
