@@ -17,7 +17,7 @@ namespace
 
 constexpr double kStep = 1.0;            // between places, in cells
 constexpr double kDistanceRatio = 1.12;  // between the distances that are tried without depth
-constexpr SearchFloors kWithDepth{66, 65, 40}, kWithoutDepth{40, 53, 27};
+constexpr SearchFloors kWithDepth{66, 65, 25}, kWithoutDepth{40, 53, 27};
 
 }  // namespace
 
