@@ -77,6 +77,21 @@ TEST(V4l2Source, givesTheNewestFrameToAReaderThatIsTooSlow)
   EXPECT_EQ(read(), 11);
 }
 
+TEST(V4l2Source, losesNoFrameWhereADriverUsesANumberTwice)
+{
+  FakeCamera camera;
+  V4l2Source source(camera.plug(), CaptureParams());
+  Frame frame;
+  ASSERT_EQ(source.read(frame), ReadResult::kFrame);
+  --camera.sequence;
+  camera.waiting = 3;
+  for (const int expected : {0, 1, 2})
+  {
+    ASSERT_EQ(source.read(frame), ReadResult::kFrame);
+    EXPECT_EQ(frame.sequence, expected);
+  }
+}
+
 TEST(V4l2Source, refusesFramesThatAreCutShort)
 {
   FakeCamera camera;

@@ -143,9 +143,11 @@ bool V4l2Source::dequeue(v4l2_buffer& filled)
 bool V4l2Source::dequeueNewest(v4l2_buffer& filled)
 {
   if (!dequeue(filled)) return false;
-  if (first_sequence_ >= 0 && filled.sequence != next_sequence_) behind_ = true;
+  // The driver's counter wraps, and a busy driver may use a number twice.
+  if (first_sequence_ >= 0 && static_cast<std::int32_t>(filled.sequence - next_sequence_) > 0) behind_ = true;
   for (std::size_t i = 1; behind_ && !decoder_ && i < buffers_.size() && device_->waitReadable(0); ++i)
   {
+    if ((filled.flags & V4L2_BUF_FLAG_ERROR) != 0) break;  // damage is told
     giveBack();
     if (!dequeue(filled)) return false;
   }
