@@ -165,17 +165,22 @@ def clock():
 
 def test_what_was_said_before_the_time_went_back_is_forgotten(start, clock):
     watched = Watched(start, placed=False)
-    moving = rospy.Publisher("/tf", TFMessage, queue_size=1)
+    moving = rospy.Publisher("/tf", TFMessage, queue_size=10)
 
-    def shown(seconds, x):
-        """What the node makes of a frame at a time when the depth camera is at x."""
+    def placed(seconds, x):
+        """Says that the depth camera is at x at a time."""
         transform = TransformStamped(child_frame_id=watched.cameras.frames["depth"])
         transform.header.frame_id = watched.cameras.frames["rgb"]
         transform.header.stamp = rospy.Time(seconds)
         transform.transform.translation.x = x
         transform.transform.rotation.w = 1.0
-        clock(seconds)
         moving.publish([transform])
+
+    def shown(seconds, x):
+        """What the node makes of a frame at a time when the depth camera is at x."""
+        clock(seconds)
+        placed(1000, -BASELINE)  # which may come late, when the time has gone back
+        placed(seconds, x)
         watched.show(MILLIMETRES, "16UC1")
         received = watched.topics["image_raw"].received
         return pixels(received[-1]) if received else np.zeros(0)

@@ -12,6 +12,8 @@ from tf2_msgs.msg import TFMessage
 from ..common.rotations import rotation_of
 from .context import current
 
+MAX_AHEAD = rospy.Duration(10.0)  # as long as tf2 keeps what was said
+
 
 class FrameTransforms:
     """Listens to the node's /tf and /tf_static from the first question on, until forget()."""
@@ -86,19 +88,30 @@ class _Listener:
         self._newest = rospy.Time()
 
     def take(self, message: TFMessage) -> None:
-        self._look_at_clock()
+        now = self._look_at_clock()
         for transform in message.transforms:
-            self._buffer.set_transform(transform, "tf")
+            # What is of before the time went back can be on its way when the clock's message is
+            # here: tf2 would leave out what is said from then on until the time is there again.
+            if not (self._is_simulated() and now and transform.header.stamp > now + MAX_AHEAD):
+                self._buffer.set_transform(transform, "tf")
 
     def take_static(self, message: TFMessage) -> None:
         self._look_at_clock()
         for transform in message.transforms:
             self._buffer.set_transform_static(transform, "tf")
 
-    def _look_at_clock(self) -> None:
-        """Forgets what is of a time to come, if the time went back, as when a bag begins anew."""
+    def _look_at_clock(self) -> rospy.Time:
+        """Returns the time.
+
+        Forgets what is of a time to come, if the time went back, as when a bag begins anew.
+        """
         with self._lock:
             now = rospy.Time.now()
             if now < self._newest:
                 self._buffer.clear()
             self._newest = now
+        return now
+
+    @staticmethod
+    def _is_simulated() -> bool:
+        return not rospy.rostime.is_wallclock()

@@ -17,6 +17,7 @@ namespace
 {
 
 constexpr std::uint32_t kQueueSize = 100;
+constexpr double kMaxAhead = 10.0;        // s, as long as tf2 keeps what was said
 constexpr double kMaxLengthError = 0.01;  // of the square of a quaternion's length, tf2's own limit
 
 std::string withoutSlash(const std::string& frame)
@@ -37,6 +38,14 @@ std::string flawOf(const geometry_msgs::TransformStamped& transform)
   const std::string parent = withoutSlash(transform.header.frame_id), child = withoutSlash(transform.child_frame_id);
   if (parent.empty() || child.empty()) return "does not name both frames";
   return parent == child ? "has one frame for both" : "";
+}
+
+/// Whether a transform is of before the time went back: it can be on its way when the clock's message is here, and tf2
+/// would leave out what is said from then on until the time is there again.
+bool isOfTimeToCome(const geometry_msgs::TransformStamped& transform)
+{
+  const ros::Time now = ros::Time::now();
+  return ros::Time::isSimTime() && !now.isZero() && transform.header.stamp > now + ros::Duration(kMaxAhead);
 }
 
 cv::Affine3d toAffine(const geometry_msgs::Transform& transform)
@@ -67,6 +76,7 @@ ros::Subscriber FrameTransforms::subscribe(const std::string& topic, bool is_sta
     lookAtClock();
     for (const geometry_msgs::TransformStamped& transform : message->transforms)
     {
+      if (!is_static && isOfTimeToCome(transform)) continue;
       const std::string flaw = flawOf(transform);
       if (flaw.empty())
         buffer_->setTransform(transform, "tf", is_static);
