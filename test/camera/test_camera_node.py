@@ -140,9 +140,12 @@ def test_video_plays_at_its_rate_and_ends(start, gray_video):
     assert "the source has ended" in process.output()
 
     def to_the_end():
-        """Levels and stamps of all frames, but for the first, which nobody has subscribed to."""
+        """Levels and stamps of all frames, but for the first, which nobody has subscribed to.
+
+        The node ends after the last one, which it may not have sent then.
+        """
         frames = [(pixels(m).mean(), m.header.stamp.to_sec()) for m in images.received]
-        return frames if frames and 217 <= frames[-1][0] < 224 else None
+        return frames if frames and 197 <= frames[-1][0] < 224 else None
 
     levels, stamps = np.transpose(support.wait_for(to_the_end, "the last frame"))
     steps = np.diff(levels) / 20
@@ -250,8 +253,13 @@ def test_video_of_a_server_that_fails_is_asked_for_again(start, tmp_path):
         process.output(),
     )
     assert broke, process.output()
-    assert 5 < int(broke[1]) < 15 and len(images.received) > 24
-    assert max(pixels(image).mean() for image in images.received) > 8 * 20
+    assert 5 < int(broke[1]) < 15
+
+    def levels():
+        return [pixels(image).mean() for image in list(images.received)]
+
+    support.wait_for(lambda: max(levels(), default=0.0) > 8 * 20, "the end of the video")
+    assert any(np.diff(levels()) < 0), "it was not played from its beginning again"
     server.shutdown()
     server.server_close()
 
@@ -284,7 +292,7 @@ def test_truncated_video_plays_to_its_end_and_exits_1(start, half_a_video):
 
 def test_exits_at_the_end_of_a_video_although_the_master_is_stopped(start, half_a_video):
     master = support.Master(start)
-    arguments = [f"_source:={half_a_video}", "_framerate:=1", "_always_subscribe:=true"]
+    arguments = [f"_source:={half_a_video}", "_framerate:=0.6", "_always_subscribe:=true"]
     process = start("camera_node", *arguments, env=master.env)
     with support.service_of(master.api, "/camera/save_parameters") as service:
         rospy.ServiceProxy(service, Trigger)()  # the node answers when it has started
@@ -332,7 +340,7 @@ def test_damaged_images_of_a_folder_are_refused_and_counted(start, diagnostics, 
     support.wait_for(
         lambda: int(diagnostics.value("camera", "frames refused")) > 0, "the refused one"
     )
-    assert str(tmp_path / "a.jpg") in process.output()
+    process.wait_for_output(str(tmp_path / "a.jpg"))
 
 
 def test_capture_stops_and_starts(start, diagnostics):

@@ -162,7 +162,7 @@ def impatient(monkeypatch):
 
 def test_a_master_that_hangs_blocks_nothing_and_is_told(impatient, page, master):
     page.request("graph")
-    page.wait_for_push("graph")
+    page.wait_for_push("graph", lambda graph: graph["nodes"])
     pid = rosgraph.Master("/test").getPid()
     with stopped(pid):
         graph = page.wait_for_push("graph", lambda graph: graph["problem"])

@@ -347,7 +347,9 @@ def test_colors_whose_stamps_never_meet_are_told(start, diagnostics):
     assert f"no colors of points: the stamps on {depth} and {color} do not meet: " in output
     assert " s, must be at most slop, 0.01 s, apart" in output
     assert not watched.topics["points"].received
-    assert "do not meet" in diagnostics.value(watched.node, "last error")
+    support.wait_for(
+        lambda: "do not meet" in diagnostics.value(watched.node, "last error"), "the last error"
+    )
     assert diagnostics.value(watched.node, "frames published") == "0"
     stamp = watched.show(MILLIMETRES, "16UC1")
     watched.cameras.send("rgb", COLORS, "bgr8", stamp + rospy.Duration(0.005))
@@ -369,7 +371,9 @@ def test_colors_of_another_size_are_refused(start, diagnostics):
     color, of_info = (watched.cameras.topic("rgb", name) for name in ("image_raw", "camera_info"))
     said = f"{color} (bgr8, 95x72): its size is 95x72, must be 96x72 as on {of_info}"
     assert said in watched.process.output()
-    assert int(diagnostics.value(watched.node, "frames refused")) > 0
+    support.wait_for(
+        lambda: int(diagnostics.value(watched.node, "frames refused")) > 0, "the refused ones"
+    )
     assert diagnostics.value(watched.node, "frames published") == "0"
     watched.answers()
 

@@ -103,7 +103,7 @@ def test_without_a_calibration_four_points_are_enough(start, diagnostics):
     support.wait_for(is_told, "what is missing")
     assert not robot.lanes.received
     robot.show(image)
-    assert int(diagnostics.value("lane", "frames refused")) > 0
+    support.wait_for(lambda: int(diagnostics.value("lane", "frames refused")) > 0, "the count")
     assert said in diagnostics.value("lane", "last error")
     points = corners_in_image(0.3, 1.2)
     values = dict(ground="points", near=0.3, near_row=points[0, 1], far_row=points[2, 1])

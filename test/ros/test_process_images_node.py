@@ -134,7 +134,8 @@ def test_a_node_that_cannot_subscribe_says_so_and_tries_again(diagnostics):
     source.wait_for()
     source.send(message(IMAGE, "bgr8"))
     support.wait_for(lambda: taken, "the frame")
-    assert diagnostics.next("refused").message.endswith(f" on {source.topic}")  # running, no frames
+    on_topic = f" on {source.topic}"  # running, or without frames
+    support.wait_for(lambda: diagnostics.next("refused").message.endswith(on_topic), on_topic)
     context.end()
     rospy.delete_param("/refused")
 
@@ -160,7 +161,8 @@ def test_a_node_that_cannot_subscribe_to_other_images_says_so_and_tries_again(di
     source.wait_for()
     source.send(message(IMAGE, "bgr8"))
     support.wait_for(lambda: taken, "the frame")
-    assert diagnostics.next("refused").message.endswith(f" on {first.topic}")  # no frames there
+    on_topic = f" on {first.topic}"  # without frames
+    support.wait_for(lambda: diagnostics.next("refused").message.endswith(on_topic), on_topic)
     context.end()
     rospy.delete_param("/refused")
 

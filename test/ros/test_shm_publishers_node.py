@@ -222,7 +222,8 @@ def test_readers_that_come_and_go(camera):
     support.wait_for(
         lambda: not support.receives(my_images(), camera.topic), "the end of the subscription"
     )
-    assert rospy.get_name() + "_images" not in subscribers(camera.topic)
+    name = rospy.get_name() + "_images"
+    support.wait_for(lambda: name not in subscribers(camera.topic), "the master to be told")
 
 
 def subscribers(topic):
