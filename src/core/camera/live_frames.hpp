@@ -50,7 +50,7 @@ private:
   std::string damage_;  // of frames since the last call of take()
   bool ended_ = false;
   bool stop_ = false;
-  std::mutex mutex_;  // guards all of these
+  std::mutex mutex_;  // guards all above but the functions
   std::condition_variable changed_;
   std::thread thread_;
 };
