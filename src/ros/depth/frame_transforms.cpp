@@ -42,9 +42,8 @@ std::string flawOf(const geometry_msgs::TransformStamped& transform)
 
 /// Whether a transform is of before the time went back: it can be on its way when the clock's message is here, and tf2
 /// would leave out what is said from then on until the time is there again.
-bool isOfTimeToCome(const geometry_msgs::TransformStamped& transform)
+bool isOfTimeToCome(const geometry_msgs::TransformStamped& transform, const ros::Time& now)
 {
-  const ros::Time now = ros::Time::now();
   return ros::Time::isSimTime() && !now.isZero() && transform.header.stamp > now + ros::Duration(kMaxAhead);
 }
 
@@ -76,7 +75,7 @@ ros::Subscriber FrameTransforms::subscribe(const std::string& topic, bool is_sta
     lookAtClock();
     for (const geometry_msgs::TransformStamped& transform : message->transforms)
     {
-      if (!is_static && isOfTimeToCome(transform)) continue;
+      if (!is_static && isOfTimeToCome(transform, newest_)) continue;
       const std::string flaw = flawOf(transform);
       if (flaw.empty())
         buffer_->setTransform(transform, "tf", is_static);
