@@ -43,7 +43,7 @@ lint: deps
 format: deps
 	@tools/env tools/lint format
 
-## make docs      render the images of docs, from the scene and by the nodes; ARGS="demo tags" for some
+## make docs      render the images of docs and write docs/parameters.md; ARGS="demo tags" for some images
 docs: deps build
 	@tools/env --source .ws/devel/setup.bash tools/docs/render $(ARGS)
 	@tools/env tools/parameters

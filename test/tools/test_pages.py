@@ -109,6 +109,27 @@ def test_the_index_lists_all_pages():
     assert everything <= pages.links(index.read_text())
 
 
+@pytest.mark.parametrize(
+    "topic, recorded",
+    [
+        ("/usb_cam/image_raw", False),
+        ("/usb_cam/image_raw/compressed", True),
+        ("/usb_cam/image_mono/compressed", False),
+        ("/camera/depth/image_raw", False),
+        ("/camera/depth/image_raw/compressedDepth", True),
+        ("/camera/depth/image_raw/shm", False),
+        ("/camera/depth/camera_info", True),
+        ("/edge_detector/processed_image/theora", False),
+    ],
+)
+def test_the_page_records_each_image_once_and_depths_too(topic, recorded):
+    """rosbag leaves out a topic whose whole name the expression matches."""
+    (left_out,) = re.findall(
+        r"rosbag record -a -x '(.*)'", (pages.DOCS / "transports.md").read_text()
+    )
+    assert (re.fullmatch(left_out, topic) is None) == recorded
+
+
 @pytest.mark.parametrize("kind", ["msg", "srv"])
 def test_all_messages_and_services_are_listed(kind):
     listed = pages.links((pages.DOCS / "messages.md").read_text())

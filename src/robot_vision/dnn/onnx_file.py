@@ -45,7 +45,8 @@ def load_onnx() -> Any:
         import onnx.shape_inference
     except ImportError as error:
         raise ValueError(
-            f"to read ONNX files python3-onnx is needed (apt install python3-onnx): {error}"
+            "to read ONNX files the module onnx is needed (apt install python3-onnx, "
+            f"on Ubuntu 20.04 pip install onnx): {error}"
         ) from None
     return onnx
 
