@@ -335,8 +335,10 @@ def test_images_with_holes_have_no_numbers_that_are_none(start):
         assert not re.search(r"\b(nan|inf)\b", str(found[name])), name
 
 
-def test_it_subscribes_while_somebody_subscribes(start):
-    kitchen = Kitchen(start, "_vertical_frame:=base")
+@pytest.mark.parametrize("transforms", ["_publish_tf:=false", "_publish_tf:=true"])
+def test_it_subscribes_while_somebody_subscribes(start, transforms):
+    """What it hears of its own transforms does not count as somebody."""
+    kitchen = Kitchen(start, "_vertical_frame:=base", transforms)
     publisher = place_in_tf()
     kitchen.answers(render_depth(CAMERA))
     own = {kitchen.camera.topic, kitchen.infos, "/tf", "/tf_static"}

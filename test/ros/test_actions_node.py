@@ -32,6 +32,48 @@ assert left() is None, "the node is still there"
 assert not topics(), topics()
 """
 
+ENDS = """
+import threading
+import actionlib, rospy
+from robot_vision.msg import CheckForObjectsAction, CheckForObjectsGoal, CheckForObjectsResult
+from robot_vision.ros.actions import action_server
+from robot_vision.ros.context import LoadedContext, active, current
+
+begun, closed, done = threading.Event(), threading.Event(), threading.Event()
+
+def waits(server, goal):
+    begun.set()
+    ending.wait()
+
+def comes_too_late(server, goal):
+    begun.set()
+    closed.wait()
+    try:
+        server.set_succeeded(CheckForObjectsResult())
+    finally:
+        done.set()
+
+rospy.init_node("actions", log_level=rospy.INFO)
+ending = threading.Event()
+context = LoadedContext("/loaded", {}, print)
+context.on_end(ending.set)
+with active(context):
+    server = action_server("~act", CheckForObjectsAction, EXECUTE)
+client = actionlib.SimpleActionClient("/loaded/act", CheckForObjectsAction)
+client.wait_for_server()
+client.send_goal(CheckForObjectsGoal())
+begun.wait()
+context.end()
+closed.set()
+if EXECUTE is comes_too_late:
+    done.wait()
+else:
+    client.wait_for_result()
+    assert client.get_goal_status_text() == "/loaded ends", client.get_goal_status_text()
+server.execute_thread.join()
+print("all is done")
+"""
+
 
 SETTINGS = [("nothing", True), ("use_sim_time", True), ("actionlib_status_frequency", 0.0)]
 
@@ -42,3 +84,12 @@ def test_a_server_keeps_neither_its_node_nor_topics(run_script, parameter, value
     rospy.set_param("/" + parameter, value)
     process = run_script(SCRIPT)
     assert process.exit_code(60) == 0, process.output()
+
+
+@pytest.mark.parametrize("execute", ["waits", "comes_too_late"])
+def test_a_goal_whose_node_ends_is_no_error_of_the_server(run_script, execute):
+    process = run_script(ENDS.replace("EXECUTE", execute))
+    assert process.exit_code(60) == 0, process.output()
+    assert "all is done" in process.output()
+    for complaint in ("Traceback", "bug", "Exception"):
+        assert complaint not in process.output(), process.output()

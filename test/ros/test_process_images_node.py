@@ -10,6 +10,7 @@ import support
 from frames import Source, message, new_topic, noise
 from loaded_contexts import ImageTaker
 from sensor_msgs.msg import CompressedImage, Image
+from std_msgs.msg import String
 
 from robot_vision.ros.context import LoadedContext, active
 from robot_vision.ros.image_node import ImageNode
@@ -145,9 +146,10 @@ def test_a_node_that_cannot_subscribe_to_other_images_says_so_and_tries_again(di
     other = ImageTaker("/other", second[: -len("/compressed")], transport="compressed")
     rospy.set_param("/refused", {"diagnostic_period": 0.1, "always_subscribe": True})
     context = LoadedContext("/refused", {"/image": first.topic, "/depth": second}, print)
-    taken = []
+    taken, words = [], []
     with active(context):
         node = ImageNode(lambda _: None)
+        node.subscriber("/words", String, words.append)
         node.image_subscriber("depth", taken.append, "raw")
         node.start()
 
@@ -156,6 +158,10 @@ def test_a_node_that_cannot_subscribe_to_other_images_says_so_and_tries_again(di
         return status.message.startswith(f"cannot subscribe: {second}: ") and status.level == 2
 
     support.wait_for(refused, "the error")
+    speaker = rospy.Publisher("/words", String, queue_size=1, latch=True)
+    speaker.publish("all else is there")
+    support.wait_for(lambda: words, "another input")
+    speaker.unregister()
     other.close()
     source = Source(second)
     source.wait_for()

@@ -2,13 +2,14 @@
 
 from typing import Any, Dict, Iterable, List, NamedTuple, Set, Tuple
 
+from ..ros.listeners import IMAGES
+
 IMAGE = "sensor_msgs/Image"
 COMPRESSED = "sensor_msgs/CompressedImage"
 IMAGE_TYPES = (IMAGE, COMPRESSED)
 # The ends of the topics that image_transport adds to one of images.
 TRANSPORTS = ("/compressed", "/compressedDepth", "/theora", "/shm")
 DESCRIPTIONS = "/parameter_descriptions"  # of dynamic_reconfigure
-IMAGES = "_images"  # the end of the name that a Python node's images have in the graph
 MAX_NODES = 2000
 MAX_TOPICS = 5000
 

@@ -13,6 +13,7 @@ from dynamic_reconfigure.srv import Reconfigure
 from rosgraph_msgs.msg import Log
 
 from ..common.plain_text import brief
+from ..ros.listeners import IMAGES
 from .graph_calls import call_node
 from .log_lines import LogLine, LogTopic
 from .message_topics import RawMessage, RawTopic
@@ -42,7 +43,7 @@ class ParameterNode:
         self._changed = threading.Condition()  # guards all below
         self._description: Optional[Any] = None
         self._values: Optional[Dict[str, Any]] = None
-        self._speakers: Set[str] = {name, f"{name}_images"}  # the nodes that log for it
+        self._speakers: Set[str] = {name, name + IMAGES}  # the nodes that log for it
         self._lines: Deque[Tuple[float, LogLine]] = collections.deque(maxlen=MAX_LINES)
         self._listeners: List[Listener] = []
         self._topics: List[RawTopic] = []

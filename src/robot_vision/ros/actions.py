@@ -1,7 +1,9 @@
 """Servers of actions, which end with their node."""
 
+import contextlib
 from typing import Any, Callable
 
+import rospy
 from actionlib import SimpleActionServer
 
 from .context import current
@@ -19,10 +21,21 @@ def action_server(
         name: The action's.
         kind: Its type, the message that ends in Action.
         execute: A function that is called with the server and each goal, in a thread of its own.
-            It has to return when its node ends.
+            It has to return when its node ends, and need not say then what became of the goal.
     """
     context = current()
-    bound = context.bind(lambda goal: execute(server, goal))
+
+    def run(goal: Any) -> None:
+        try:
+            execute(server, goal)
+        except rospy.ROSException:
+            if not context.is_ending():
+                raise
+        if context.is_ending() and server.is_active():
+            with contextlib.suppress(rospy.ROSException):  # The topics may be closed already.
+                server.set_aborted(text=f"{context.name} ends")
+
+    bound = context.bind(run)
     server: SimpleActionServer = SimpleActionServer(context.given(name), kind, bound, False)
     context.closes(lambda: _close(server))
     server.start()

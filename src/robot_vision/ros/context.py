@@ -18,6 +18,9 @@ from .master_calls import ask_master
 
 Part = TypeVar("Part")
 REQUIRED: Any = object()  # in place of a default: the parameter has to be set
+# Messages that wait on a topic of all nodes, /tf or /diagnostics: rospy has one queue for those of
+# a process, and two of them may publish at the same moment.
+SHARED_QUEUE = 100
 
 
 class NodeContext:
@@ -158,6 +161,7 @@ class LoadedContext(NodeContext):
         self._remappings = dict(remappings)
         self._on_exit = on_exit
         self._ending = threading.Event()
+        self._has_ended = False
         self._end_callbacks: List[Callable[[], Any]] = []
         self._closing_callbacks: List[Callable[[], Any]] = []
         self._closes: List[Callable[[], Any]] = []
@@ -200,6 +204,8 @@ class LoadedContext(NodeContext):
 
     def bind(self, function: Callable[..., Any]) -> Callable[..., Any]:
         def bound(*arguments: Any) -> Any:
+            if self._has_ended:  # rospy calls listeners of a topic as long as others publish on it.
+                return None
             with active(self):
                 try:
                     return function(*arguments)
@@ -239,6 +245,7 @@ class LoadedContext(NodeContext):
         """Ends the node, and closes all that was made through this context, the newest first."""
         self.finish()
         self._call(self._closes)
+        self._has_ended = True
         self._parts.clear()
         with contextlib.suppress(ValueError):  # It may have been ended before.
             _loaded.remove(self._name)

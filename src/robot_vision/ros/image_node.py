@@ -1,12 +1,15 @@
 """What all nodes that process images have in common."""
 
+import functools
 import time
 from typing import Any, Callable, Dict, List, Tuple
 
 import rospy
+from tf2_msgs.msg import TFMessage
 
 from . import transport
-from .context import current
+from .context import SHARED_QUEUE, current
+from .listeners import listeners_elsewhere
 from .params import read_param, review_params
 from .shared_threads import set_threads
 
@@ -51,7 +54,8 @@ class ImageNode:
         # A robot needs its other cores for other work, and sharing an image costs more in sum.
         set_threads(read_param("threads", 1, 0, MAX_THREADS, zero="all cores"))
         self._wanted = False
-        self._outputs: List[Tuple[Any, Callable[[], bool]]] = []  # with whether each counts
+        # How many subscribers each output has, and whether they count.
+        self._outputs: List[Tuple[Callable[[], int], Callable[[], bool]]] = []
         self._inputs: List[Tuple[Any, ...]] = []  # names, types and callbacks
         self._subscribers: List[rospy.Subscriber] = []  # of the inputs, while the node works
         self._other_images: Dict[str, transport.ImageSubscriber] = {}  # by name
@@ -77,16 +81,25 @@ class ImageNode:
     def publisher(
         self, name: str, kind: Any, counts: Callable[[], bool] = lambda: True
     ) -> rospy.Publisher:
-        """Adds a topic of results; its subscribers make the node work while `counts()` is true."""
+        """Adds a topic of results; its subscribers make the node work while `counts()` is true.
+
+        Of transforms those of its own process do not count: the node may be one of them, and would
+        have itself work for ever.
+        """
+        is_shared = kind is TFMessage
+        size = SHARED_QUEUE if is_shared else 1
         listener = _Listener(self._note_connections)
-        output = self._context.publisher(name, kind, queue_size=1, subscriber_listener=listener)
-        self._outputs.append((output, counts))
+        output = self._context.publisher(name, kind, queue_size=size, subscriber_listener=listener)
+        subscribers = output.get_num_connections
+        if is_shared:
+            subscribers = functools.partial(listeners_elsewhere, output)
+        self._outputs.append((subscribers, counts))
         return output
 
     def image_publisher(self, name: str) -> transport.ImagePublisher:
         """Adds an image topic, whose subscribers make the node work; draw only if it has any."""
         output = transport.ImagePublisher(name)
-        self._outputs.append((output, lambda: True))
+        self._outputs.append((output.get_num_connections, lambda: True))
         return output
 
     def subscriber(self, name: str, kind: Any, callback: Callable[[Any], Any]) -> None:
@@ -157,18 +170,16 @@ class ImageNode:
 
     def _update(self) -> None:
         """Starts or ends the work as needed; always called by the same thread, that of images."""
-        listened = any(
-            counts() and output.get_num_connections() for output, counts in self._outputs
-        )
+        listened = any(counts() and subscribers() for subscribers, counts in self._outputs)
         if self._always or self._wanted or listened:
             self._working_since = min(self._working_since, time.monotonic())
             self._images.start()
-            self._start_others()
             if not self._subscribers:
                 self._subscribers = [
                     self._context.subscriber(name, kind, callback, queue_size=1, tcp_nodelay=True)
                     for name, kind, callback in self._inputs
                 ]
+            self._start_others()  # Nothing else has to wait for what may be refused.
         else:
             self._images.unregister()
             for images in self._other_images.values():

@@ -19,6 +19,7 @@ from .. import _transport
 from ..common.files import ROS_HOME_NEEDED
 from ..common.throttle import Throttle
 from .context import current
+from .listeners import IMAGES
 from .registration import keep_registered
 
 END_TIMEOUT = 1.0  # s that the end of a node waits for a callback that is running
@@ -122,7 +123,7 @@ class _Process:
         options["/diagnostics"] = rospy.resolve_name("/diagnostics")
         node, uri = rospy.names.get_name(), rospy.get_node_uri()
         try:
-            self.runtime = _transport.Runtime(node + "_images", options, node, uri)
+            self.runtime = _transport.Runtime(node + IMAGES, options, node, uri)
         except RuntimeError as error:  # A folder that roscpp needs cannot be made.
             raise ValueError(f"{error}; {ROS_HOME_NEEDED}") from None
         keep_registered()

@@ -6,7 +6,7 @@ from typing import Callable, Mapping, Tuple
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
-from .context import current
+from .context import SHARED_QUEUE, current
 from .params import read_param
 
 Status = Tuple[int, str, Mapping[str, str]]  # level of DiagnosticStatus, message, values by name
@@ -25,7 +25,9 @@ class StatusTopic:
     def __init__(self, name: str):
         self._name = name
         self._period = read_param("diagnostic_period", 1.0, 0.01, 3600.0)
-        self._publisher = current().publisher("/diagnostics", DiagnosticArray, queue_size=1)
+        self._publisher = current().publisher(
+            "/diagnostics", DiagnosticArray, queue_size=SHARED_QUEUE
+        )
         self._last = float("-inf")  # s of the monotonic clock, of the newest status
 
     def publish(self, status: Callable[[], Status]) -> None:

@@ -1,0 +1,128 @@
+"""Nodes of a process that publish on the same topic, for which rospy has one publisher."""
+
+import contextlib
+import threading
+
+import rospy
+import support
+from diagnostic_msgs.msg import DiagnosticArray
+from frames import new_topic
+from geometry_msgs.msg import TransformStamped
+from tf2_msgs.msg import TFMessage
+
+from robot_vision.ros.context import LoadedContext, active
+from robot_vision.ros.image_node import ImageNode
+from robot_vision.ros.listeners import listeners_elsewhere
+from robot_vision.ros.status_topic import StatusTopic
+
+NODES = ["/first", "/second", "/third"]
+LISTENER = """
+import rospy
+from tf2_msgs.msg import TFMessage
+
+rospy.init_node("listener")
+rospy.Subscriber("/tf", TFMessage, print)
+rospy.spin()
+"""
+
+
+@contextlib.contextmanager
+def loaded(names=NODES):
+    """The contexts of nodes of this process, which end at the end."""
+    contexts = [LoadedContext(name, {"/image": new_topic()}, print) for name in names]
+    yield contexts
+    for context in contexts:
+        context.end()
+
+
+@contextlib.contextmanager
+def held_writer(publisher):
+    """Has rospy's thread that sends the messages of a topic wait, as it does for the GIL."""
+    support.wait_for(lambda: publisher.impl.connections, "a connection")
+    (connection,) = publisher.impl.connections
+    sender, may_go_on = connection._connection, threading.Event()
+    send = sender.write_data
+
+    def held(data):
+        assert may_go_on.wait(support.DEADLINE)
+        send(data)
+
+    sender.write_data = held
+    yield
+    may_go_on.set()
+
+
+def transforms_of(context):
+    with active(context):
+        return ImageNode(lambda _: None).publisher("/tf", TFMessage)
+
+
+def test_transforms_of_several_nodes_at_the_same_moment_all_come():
+    with loaded() as contexts:
+        outputs = [transforms_of(context) for context in contexts]
+        came = support.subscribed("/tf", TFMessage)
+        with held_writer(outputs[0]):
+            for name, output in zip(NODES, outputs):
+                output.publish(TFMessage([TransformStamped(child_frame_id=name)]))
+        frames = [one.transforms[0].child_frame_id for one in came.wait(len(NODES))]
+    assert frames == NODES
+
+
+def test_statuses_of_several_nodes_at_the_same_moment_all_come():
+    with loaded() as contexts:
+        topics = []
+        for context in contexts:
+            with active(context):
+                topics.append(StatusTopic("objects"))
+        came = support.subscribed("/diagnostics", DiagnosticArray)
+        with held_writer(topics[0]._publisher):
+            for context, topic in zip(contexts, topics):
+                with active(context):
+                    topic.publish(lambda: (0, "well", {}))
+        expected = {name[1:] + ": objects" for name in NODES}
+        support.wait_for(
+            lambda: expected <= {one.name for array in came.received for one in array.status},
+            "the statuses",
+        )
+
+
+def test_transforms_are_for_others_alone():
+    """A node that listens to transforms as well does not work for itself."""
+    with loaded(NODES[:1]) as (context,):
+        output = transforms_of(context)
+        own = support.subscribed("/tf", TFMessage)
+        support.wait_for(output.get_num_connections, "the connection of this process to itself")
+        assert listeners_elsewhere(output) == 0
+        own.close()
+
+
+def test_who_listens_elsewhere_counts(run_script):
+    with loaded(NODES[:1]) as (context,):
+        output = transforms_of(context)
+        run_script(LISTENER, fork=True)
+        support.wait_for(lambda: listeners_elsewhere(output) == 1, "the other process")
+
+
+class LastListener(rospy.SubscribeListener):
+    """Tells when all listeners before it have been called."""
+
+    def __init__(self):
+        self.called = threading.Event()
+
+    def peer_subscribe(self, *_):
+        self.called.set()
+
+
+def test_a_node_that_has_ended_has_nothing_made_by_who_comes_later():
+    """rospy goes on to call it, as another node has the same topic."""
+    with loaded(NODES[:1]) as (stays,):
+        transforms_of(stays)
+        with loaded(NODES[1:2]) as (gone,):
+            transforms_of(gone)
+        last = LastListener()
+        publisher = rospy.Publisher("/tf", TFMessage, subscriber_listener=last, queue_size=100)
+        later = support.subscribed("/tf", TFMessage)
+        assert last.called.wait(support.DEADLINE)
+        assert not gone._parts
+        later.close()
+        publisher.unregister()
