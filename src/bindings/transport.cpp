@@ -49,6 +49,15 @@ py::object next(NodeQueue& queue, double timeout_s)
                         header.stamp.nsec, toStr(header.frame_id), info);
 }
 
+/// A time as it came: ros::Time's constructor throws for times that nothing can be done about.
+ros::Time stampOf(std::uint32_t secs, std::uint32_t nsecs)
+{
+  ros::Time stamp;
+  stamp.sec = secs;
+  stamp.nsec = nsecs;
+  return stamp;
+}
+
 void publish(PooledImagePublisher& outbox, const py::array& pixels, const std::string& encoding, std::uint32_t seq,
              std::uint32_t secs, std::uint32_t nsecs, const std::string& frame_id)
 {
@@ -56,8 +65,7 @@ void publish(PooledImagePublisher& outbox, const py::array& pixels, const std::s
   const cv::Mat view = viewOf(packed);
   std_msgs::Header header;
   header.seq = seq;
-  header.stamp.sec = secs;  // as they came: the constructor throws for times that nothing can be done about
-  header.stamp.nsec = nsecs;
+  header.stamp = stampOf(secs, nsecs);
   header.frame_id = frame_id;
   const LeaveGil unlocked;
   outbox.publish(view, encoding, header);
@@ -116,12 +124,18 @@ PYBIND11_MODULE(_transport, m)
   LeaveGil::endWithProcess();
   py::class_<FrameStatistics, std::shared_ptr<FrameStatistics>>(m, "Diagnostics")
       .def("set_running", &FrameStatistics::setRunning, "topic"_a)
+      .def("set_lacking", &FrameStatistics::setLacking, "lack"_a, "topic"_a)
       .def("set_unsubscribed", &FrameStatistics::setUnsubscribed, "reason"_a);
   py::class_<LatestImageSubscriber, std::shared_ptr<LatestImageSubscriber>>(m, "Inbox")
       .def("open", &LatestImageSubscriber::open, CallsMaster())
       .def("close", &LatestImageSubscriber::close, CallsMaster())
       .def("publishers", &LatestImageSubscriber::publishers, Unlocked())
       .def("finished", &LatestImageSubscriber::finished)
+      .def(
+          "finished_later",
+          [](LatestImageSubscriber& inbox, double processing_s, std::uint32_t secs, std::uint32_t nsecs)
+          { inbox.finishedLater(processing_s, stampOf(secs, nsecs)); },
+          "processing_s"_a, "secs"_a, "nsecs"_a)
       .def("failed", &LatestImageSubscriber::failed, "why"_a, Unlocked())
       .def_property_readonly("received", [](const LatestImageSubscriber& inbox) { return inbox.totals().received; })
       .def_property_readonly("dropped", [](const LatestImageSubscriber& inbox) { return inbox.totals().dropped; })

@@ -17,6 +17,7 @@ import pytest
 import rosgraph
 import rospy
 import support
+from diagnostic_msgs.msg import DiagnosticStatus
 from frames import Source, message, new_topic
 from people import ANNA, BERT, CARLA, DORA, photograph, photographs
 from sensor_msgs.msg import Image
@@ -316,7 +317,7 @@ def test_images_do_not_wait_while_nobody_listens(start, folder, diagnostics):
     waits.header.stamp = rospy.Time(0, 7)
     door.images.send(waits)
     support.wait_for(
-        lambda: diagnostics.value("door", "frames published") == "1", "the image in the node"
+        lambda: diagnostics.value("door", "frames received") == "1", "the image in the node"
     )
     door.listen_no_more()
     door.listen()
@@ -396,8 +397,9 @@ def test_enrolling_fails_clearly_and_changes_nothing(start, folder):
     assert door.look(ANNA, 25, of=-1) == "Anna"
 
 
-def test_who_is_missing_is_told_in_the_answer_and_the_overlay(start, folder):
-    door = Door(start, f"_gallery:={folder}", "_enroll_timeout:=1.5")
+def test_who_is_missing_is_told_wherever_somebody_looks(start, folder, diagnostics):
+    """In the answer, the log, the overlay and the diagnostics."""
+    door = Door(start, f"_gallery:={folder}", "_enroll_timeout:=1.5", "_diagnostic_period:=0.1")
     door.faces.close()
     nobody = f"nobody publishes faces on {door.faces.topic}"
     support.wait_for(lambda: nobody in enroll("Eve", 2).message, nobody)
@@ -410,6 +412,14 @@ def test_who_is_missing_is_told_in_the_answer_and_the_overlay(start, folder):
     overlay = door.outputs[-1].wait(1)[0]
     pixels = np.frombuffer(overlay.data, np.uint8).reshape(BLANK.shape)
     assert (pixels[:30] != BLANK[:30]).any() and np.array_equal(pixels[40:], BLANK[40:])
+
+    def status_says():
+        door.images.send(message(BLANK, "bgr8"))
+        status = diagnostics.next("door")
+        return status.message.startswith(nobody) and status.level == DiagnosticStatus.WARN
+
+    support.wait_for(status_says, "the warning in the diagnostics")
+    assert diagnostics.value("door", "frames published") == "0"
 
 
 def answers_of(ask, times=1):

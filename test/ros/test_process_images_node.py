@@ -1,6 +1,7 @@
 """Several nodes of a process: each frame is received and converted once; none waits for another."""
 
 import threading
+import time
 
 import cv2
 import numpy as np
@@ -14,8 +15,8 @@ from std_msgs.msg import String
 
 from robot_vision.ros.context import LoadedContext, active
 from robot_vision.ros.image_node import ImageNode
-from robot_vision.ros.transport import node_diagnostics
-from robot_vision.transport import ImagePublisher
+from robot_vision.ros.transport import KEPT, node_diagnostics
+from robot_vision.transport import FrameError, ImagePublisher
 
 IMAGE = noise("bgr8", 48, 64)
 
@@ -171,6 +172,46 @@ def test_a_node_that_cannot_subscribe_to_other_images_says_so_and_tries_again(di
     support.wait_for(lambda: diagnostics.next("refused").message.endswith(on_topic), on_topic)
     context.end()
     rospy.delete_param("/refused")
+
+
+def test_a_frame_that_is_kept_counts_when_the_work_on_it_is_done(diagnostics):
+    """Its result may need what comes later, from another topic."""
+    source = Source(new_topic())
+    rospy.set_param("/keeps", {"diagnostic_period": 0.1, "always_subscribe": True})
+    context = LoadedContext("/keeps", {"/image": source.topic}, print)
+    frames = []
+    with active(context):
+        node = ImageNode(lambda frame: frames.append(frame) or KEPT)
+        node.start()
+    source.wait_for()
+
+    def counts():
+        status = diagnostics.next("keeps")
+        return {one.key: one.value for one in status.values}
+
+    def fail():
+        raise FrameError("too dark")
+
+    for number in range(2):
+        image = message(IMAGE, "bgr8")
+        image.header.stamp = rospy.Time.now()
+        source.send(image)
+        support.wait_for(lambda count=number + 1: len(frames) == count, "the frame")
+    support.wait_for(lambda: counts()["frames received"] == "2", "the count of frames")
+    assert counts()["frames published"] == "0"
+    node.go_on(frames[0], lambda: time.sleep(0.05))
+    rates = support.wait_for(
+        lambda: [one for one in [counts()] if float(one["output rate (Hz)"]) > 0.0], "the result"
+    )
+    assert rates[0]["frames published"] == "1"
+    assert float(rates[0]["processing time (ms)"]) >= 50.0
+    assert float(rates[0]["output age (ms)"]) >= 50.0
+    node.go_on(frames[1], fail)
+    support.wait_for(lambda: counts()["frames refused"] == "1", "the refusal")
+    assert "too dark" in counts()["last error"]
+    assert counts()["frames published"] == "1"
+    context.end()
+    rospy.delete_param("/keeps")
 
 
 def leave(_frame):

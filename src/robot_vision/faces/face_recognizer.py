@@ -18,7 +18,7 @@ from ..ros.image_node import ImageNode
 from ..ros.live_params import LiveParams, filled
 from ..ros.messages import box_of, corners
 from ..ros.startup import run_node
-from ..ros.transport import Frame, FrameError
+from ..ros.transport import KEPT, Frame, FrameError
 from .enrollment import OfferedFace
 from .face_images import check_box, normalized
 from .gallery import Gallery
@@ -71,22 +71,19 @@ class FaceRecognizer:
             self._names = names
             self._identities.clear()
 
-    def _on_frame(self, frame: Frame) -> None:
+    def _on_frame(self, frame: Frame) -> Any:
         missing = self._node.missing()
+        self._node.set_lack(missing)
         if missing:
             rospy.logwarn_throttle(10.0, f"{missing}: is there a face detector?")
             self._show_note(frame, missing)
         faces = self._pairs.message_of(frame)
-        if faces:
-            self._process(frame, faces)
+        return self._process(frame, faces) if faces else KEPT
 
     def _on_faces(self, faces: DetectionArray) -> None:
         frame = self._pairs.frame_of(faces)
         if frame:
-            try:
-                self._process(frame, faces)
-            except FrameError as error:
-                self._node.refuse(frame, error)
+            self._node.go_on(frame, lambda: self._process(frame, faces))
         elif self._pairs.apart():
             image, topic = current().resolve("image"), current().resolve("faces")
             rospy.logwarn_throttle(

@@ -61,6 +61,7 @@ class ImageNode:
         self._other_images: Dict[str, transport.ImageSubscriber] = {}  # by name
         self._last_message: Dict[str, float] = {}  # s of the monotonic clock, by input
         self._working_since = float("inf")  # s of the monotonic clock
+        self._lack = ""  # what the diagnostics say that is missing
         self._diagnostics = transport.node_diagnostics()
         self._images = transport.ImageSubscriber(
             name,
@@ -158,9 +159,15 @@ class ImageNode:
         nobody = "" if self._images.get_num_connections() else "; nobody publishes there"
         return f"no frame on {self.topic} within {seconds:g} s{nobody}"
 
-    def refuse(self, frame: transport.Frame, error: transport.FrameError) -> None:
-        """Refuses a frame that `process` kept: it is counted, and logged. Thread-safe."""
-        self._images.refuse(frame, error)
+    def go_on(self, frame: transport.Frame, work: Callable[[], Any]) -> None:
+        """Goes on with a frame that `process` has kept, as ImageSubscriber.go_on(). Thread-safe."""
+        self._images.go_on(frame, work)
+
+    def set_lack(self, lack: str) -> None:
+        """Has the diagnostics say what the node lacks besides images, or nothing if it is empty."""
+        if lack != self._lack:
+            self._lack = lack
+            self._set_state()
 
     def start(self) -> None:
         """Starts the work. All outputs must have been added, and all parameters read."""
@@ -187,6 +194,7 @@ class ImageNode:
             while self._subscribers:
                 self._context.close(self._subscribers.pop().unregister)
             self._working_since = float("inf")
+            self._lack = ""
             self._idle()
 
     def _start_others(self) -> None:
@@ -197,14 +205,20 @@ class ImageNode:
             except RuntimeError as error:
                 self._diagnostics.set_unsubscribed(f"{images.topic}: {error}")
                 raise
-        self._diagnostics.set_running(self.topic)  # in place of an error
+        self._set_state()  # in place of an error
+
+    def _set_state(self) -> None:
+        if self._lack:
+            self._diagnostics.set_lacking(self._lack, self.topic)
+        else:
+            self._diagnostics.set_running(self.topic)
 
     def _timed(self, name: str, callback: Callable[[Any], Any]) -> Callable[[Any], Any]:
         """Returns the callback of an input, extended by noting the time of each message."""
 
-        def timed(message: Any) -> None:
+        def timed(message: Any) -> Any:
             self._last_message[name] = time.monotonic()
-            callback(message)
+            return callback(message)
 
         return timed
 

@@ -1,7 +1,8 @@
 """The implementation of robot_vision.transport."""
 
+import time
 import traceback
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Callable, Optional
 
 import numpy as np
@@ -16,6 +17,7 @@ from .context import current
 from .node_images import node_images
 
 __all__ = [
+    "KEPT",
     "Callback",
     "CameraSubscriber",
     "Frame",
@@ -49,6 +51,7 @@ class Frame:
     encoding: str
     header: Header
     camera_info: Optional[CameraInfo] = None
+    _spent: float = field(default=0.0, init=False)  # s that callbacks have worked on it
 
     @property
     def time(self) -> float:
@@ -57,6 +60,7 @@ class Frame:
 
 
 Callback = Callable[[Frame], Any]
+KEPT = object()  # what a callback returns that keeps its frame, until it goes on with it: go_on()
 
 
 class FrameError(ValueError):
@@ -155,6 +159,14 @@ class ImageSubscriber:
         if not isinstance(error, ReportedFrameError) and self._refusal_throttle.due():
             rospy.logerr("refused a frame on %s %s", self.topic, what)
 
+    def go_on(self, frame: Frame, work: Callable[[], Any]) -> None:
+        """Does the work on a frame that the callback has kept, which has returned KEPT.
+
+        The frame then counts as processed, or refused if `work` raises an exception, as if the
+        callback did it all. Thread-safe.
+        """
+        self._attempt(frame, work, self._finished_later)
+
     def _camera_info_topic(self) -> str:
         return ""
 
@@ -174,9 +186,21 @@ class ImageSubscriber:
         self._deliver(frame)
 
     def _deliver(self, frame: Frame) -> None:
+        self._attempt(frame, lambda: self._callback(frame), lambda _: self._inbox.finished())
+
+    def _finished_later(self, frame: Frame) -> None:
+        stamp = frame.header.stamp
+        self._inbox.finished_later(frame._spent, stamp.secs, stamp.nsecs)
+
+    def _attempt(
+        self, frame: Frame, work: Callable[[], Any], finished: Callable[[Frame], Any]
+    ) -> None:
+        begin = time.monotonic()
         try:
-            self._callback(frame)
-            self._inbox.finished()
+            result = work()
+            frame._spent += time.monotonic() - begin
+            if result is not KEPT:
+                finished(frame)
         except FrameError as error:
             self.refuse(frame, error)
         except Exception as error:

@@ -78,6 +78,11 @@ void FrameStatistics::setRunning(const std::string& topic)
   setState(diagnostic_msgs::DiagnosticStatus::OK, "running on " + topic, "no frames on " + topic);
 }
 
+void FrameStatistics::setLacking(const std::string& lack, const std::string& topic)
+{
+  setState(diagnostic_msgs::DiagnosticStatus::WARN, logLine(lack), "no frames on " + topic);
+}
+
 void FrameStatistics::setIdle()
 {
   setState(diagnostic_msgs::DiagnosticStatus::OK, "idle: nobody subscribes");

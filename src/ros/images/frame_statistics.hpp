@@ -35,6 +35,8 @@ public:
   void setState(unsigned char level, const std::string& text, const std::string& silence = "");
   /// The states of a node that processes the images of a topic.
   void setRunning(const std::string& topic);
+  /// That of a node that gets images, but lacks something else, in words.
+  void setLacking(const std::string& lack, const std::string& topic);
   void setIdle();
   /// That of a node that cannot subscribe, for a reason that may have any text. Returns what is reported.
   std::string setUnsubscribed(const std::string& reason);

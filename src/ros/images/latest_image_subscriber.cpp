@@ -188,6 +188,13 @@ void LatestImageSubscriber::finished()
   statistics_->published(taken_at_, taken_stamp_);
 }
 
+void LatestImageSubscriber::finishedLater(double processing_s, const ros::Time& stamp)
+{
+  const std::chrono::duration<double> spent(processing_s);
+  const auto now = FrameStatistics::Clock::now();
+  statistics_->published(now - std::chrono::duration_cast<FrameStatistics::Clock::duration>(spent), stamp);
+}
+
 void LatestImageSubscriber::failed(const std::string& reason)
 {
   statistics_->refused(reason);

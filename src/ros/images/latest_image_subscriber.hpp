@@ -64,6 +64,8 @@ public:
   std::optional<ReceivedImage> take();
   /// The image that was taken last has been processed, and its results are published.
   void finished();
+  /// The same of an image with this stamp that was taken some time ago; working on it has taken so many seconds.
+  void finishedLater(double processing_s, const ros::Time& stamp);
   /// The processing of that image has failed, and the caller has logged it; the image counts as refused.
   void failed(const std::string& reason);
 
