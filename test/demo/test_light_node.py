@@ -60,6 +60,7 @@ def test_all_nodes_of_the_light_launch_find_what_is_in_the_scene(start):
     support.wait_for(lambda: finds("apriltag", "tag_0"), "the tag")
     support.wait_for(lambda: any(line.found for line in results["line_follower"].received), "line")
     assert rospy.get_param("/usb_cam/framerate") == 15
+    assert "/cmd_vel" not in dict(rospy.get_published_topics())  # no robot drives unasked
     # The manager and all loaders, one of which is the camera's. A loader that is interrupted while
     # it asks the master says that it cannot reach it; its signs of life come when it has done so.
     signs = support.Messages("/vision/bond", Status)

@@ -463,6 +463,24 @@ def test_a_small_computer_runs_the_nodes_that_are_named():
     }
 
 
+@pytest.mark.parametrize(
+    "name, words, topic",
+    [
+        ("line_follower", [], "cmd_vel"),
+        ("line_follower", ["synthetic:=true"], "line_follower/cmd_vel"),
+        ("line_follower", ["synthetic:=true", "cmd_vel:=wheels"], "wheels"),
+        ("light", [], "line_follower/cmd_vel"),
+        ("light", ["source:=synthetic"], "line_follower/cmd_vel"),
+        ("light", ["cmd_vel:=cmd_vel"], "cmd_vel"),
+    ],
+)
+def test_a_robot_drives_only_when_it_is_asked_to(name, words, topic):
+    (follower,) = (
+        node for node in loaded(f"{name}.launch", *words).nodes if node.name == "line_follower"
+    )
+    assert dict(follower.remap_args)["cmd_vel"] == topic
+
+
 def test_a_node_that_light_launch_has_not_is_an_error():
     # It runs in its own process, because it reads the process's command line.
     command = ["roslaunch", "--nodes", LAUNCH / "light.launch", "nodes:=hsv_tracker,huogh"]
