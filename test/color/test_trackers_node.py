@@ -377,22 +377,49 @@ def test_ball_without_a_diameter_has_no_position(start, camera):
     assert "/ball/position" not in dict(rospy.get_published_topics())
 
 
+BALL = "__name:=ball", "_ball_diameter:=0.2"
+DISC = cv2.circle(np.zeros((480, 640, 3), np.uint8), (500, 240), 40, (255, 0, 0), -1)
+
+
 class BallCamera(CalibratedCamera):
     """A camera that sees a disc, a ball_tracker that knows its diameter, and what that says."""
 
     def __init__(self, start, info):
         super().__init__(10.0, info)
-        words = "__name:=ball", f"image:={self.topic}", "_ball_diameter:=0.2"
-        self.process = start("ball_tracker.py", *words)
+        self.process = start("ball_tracker.py", *BALL, f"image:={self.topic}")
         self.objects = support.subscribed("/ball/objects", DetectionArray)
         self.positions = support.subscribed("/ball/position", PointStamped)
         self.wait_for()
 
     def shown(self):
         """What is said of an image with a disc."""
-        disc = np.zeros((480, 640, 3), np.uint8)
-        cv2.circle(disc, (500, 240), 40, (255, 0, 0), -1)
-        return self.objects.of(self.show(disc).stamp)
+        return self.objects.of(self.show(DISC).stamp)
+
+
+def test_the_frame_of_the_ball_alone_makes_the_node_work_unless_it_is_turned_off(start):
+    info = CameraInfo(width=640, height=480, K=[400, 0, 500, 0, 400, 240, 0, 0, 1])
+    camera = CalibratedCamera(10.0, info)
+    process = start("ball_tracker.py", *BALL, f"image:={camera.topic}")
+    transforms = support.subscribed("/tf", tf2_msgs.msg.TFMessage)
+    camera.wait_for()
+
+    def comes():
+        camera.show(DISC)
+        return transforms.received
+
+    (ball,) = support.wait_for(comes, "a transform")[0].transforms
+    assert (ball.child_frame_id, ball.header.frame_id) == ("ball", "eye")
+    place = ball.transform.translation
+    # The rays along the outline are atan(40 px / 400 px) off the middle of the ball.
+    distance = 0.1 / np.sin(np.arctan(0.1))
+    assert [place.x, place.y, place.z] == pytest.approx([0.0, 0.0, distance], abs=0.02)
+    nameless = message(DISC, "bgr8")
+    nameless.header.stamp = rospy.Time(5000)
+    camera.send(nameless)
+    process.wait_for_output(f"no transforms: the images of {camera.topic} have no frame_id")
+    support.reconfigured("/ball", publish_tf=False)
+    camera.wait_for(0)
+    assert all(one.transforms[0].header.frame_id == "eye" for one in transforms.received)
 
 
 def test_camera_info_of_another_size_gives_no_position(start):

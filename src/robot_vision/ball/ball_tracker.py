@@ -28,13 +28,13 @@ from .. import BallTracker as Filter
 from ..msg import Detection, DetectionArray
 from ..ros.camera_info import CameraInfoListener
 from ..ros.configs import BallTrackerConfig
-from ..ros.context import current
 from ..ros.image_node import ImageNode
 from ..ros.live_params import LiveParams, filled
 from ..ros.messages import detection, detection_array
 from ..ros.params import read_name, read_param
 from ..ros.startup import run_node
-from ..ros.transport import Frame
+from ..ros.transform_output import TransformOutput
+from ..ros.transport import Frame, note_connections
 
 MAX_DIAMETER = 100.0  # m, largest diameter
 
@@ -43,8 +43,8 @@ class BallTracker:
     """Publishes ~objects (one ball or none), ~mask, ~processed_image with the ball and its trail.
 
     Subscribes to image. If ~ball_diameter (m) is set, it also publishes ~position and, in /tf, the
-    frame ~ball_frame_id. For these it needs camera_info, from the topic beside the image or from
-    the one that this name is remapped to; all else goes on without.
+    frame ~ball_frame_id, unless ~publish_tf is false. For these it needs camera_info, from the
+    topic beside the image or from the one that this name is remapped to; all else goes on without.
     """
 
     def __init__(self) -> None:
@@ -54,15 +54,15 @@ class BallTracker:
         self._filter_params: Optional[BallTrackerParams] = None  # of the filter
         self._diameter = read_param("ball_diameter", 0.0, 0.0, MAX_DIAMETER, zero="unknown")
         self._ball_frame = read_name("ball_frame_id", "ball")
-        self._params = LiveParams(BallTrackerConfig, self._configure)
         self._node = ImageNode(self._process)
+        self._params = LiveParams(BallTrackerConfig, self._configure)
         self._objects = self._node.publisher("~objects", DetectionArray)
         self._mask = self._node.image_publisher("~mask")
         self._processed = self._node.image_publisher("~processed_image")
         if self._diameter > 0.0:
             self._calibration = CameraInfoListener(self._node, "position of the ball")
             self._positions = self._node.publisher("~position", PointStamped)
-            self._tf = current().publisher("/tf", TFMessage, queue_size=100)
+            self._tf = TransformOutput(self._node, lambda: self._publish_tf)
         self._node.start()
 
     def _configure(self, config: Dict[str, Any]) -> None:
@@ -72,6 +72,8 @@ class BallTracker:
         validate(params)
         # Replaced in one step, because another thread may be processing a frame.
         self._tools = mask, finder, params, config["min_roundness"], config["trail"]
+        self._publish_tf = config["publish_tf"]
+        note_connections()  # because /tf may start or stop to count
 
     def _process(self, frame: Frame) -> None:
         mask_of, finder, params, min_roundness, trail = self._tools
@@ -139,6 +141,8 @@ class BallTracker:
 
     def _publish_position(self, frame: Frame, position: np.ndarray) -> None:
         self._positions.publish(PointStamped(frame.header, Point(*position)))
+        if not self._tf.is_wanted():
+            return
         transform = TransformStamped(header=frame.header, child_frame_id=self._ball_frame)
         transform.transform.translation = Vector3(*position)
         transform.transform.rotation.w = 1.0  # A ball looks the same from all sides.
