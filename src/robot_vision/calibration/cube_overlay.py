@@ -3,7 +3,6 @@
 from dataclasses import fields
 from typing import Any, Dict, Optional
 
-import rospy
 from geometry_msgs.msg import PoseStamped
 from std_msgs.msg import Float64
 from tf2_msgs.msg import TFMessage
@@ -17,6 +16,7 @@ from ..ros.live_params import LiveParams
 from ..ros.params import read_name
 from ..ros.poses import pose_of, transform_of
 from ..ros.startup import run_node
+from ..ros.transform_output import TransformOutput
 from ..ros.transport import Frame, FrameError, note_connections
 from .board_pose import BoardPose, Orientation, quarter_turns, solve_pose
 from .board_search import BoardParams, BoardSearch, make_board
@@ -42,7 +42,7 @@ class CubeOverlay:
         self._calibration = CameraInfoListener(self._node, "poses of the board")
         self._poses = self._node.publisher("~pose", PoseStamped)
         self._errors = self._node.publisher("~reprojection_error", Float64)
-        self._tf = self._node.publisher("/tf", TFMessage, counts=lambda: self._publish_tf)
+        self._tf = TransformOutput(self._node, lambda: self._publish_tf)
         self._processed = self._node.image_publisher("~processed_image")
         self._node.start()
 
@@ -101,12 +101,8 @@ class CubeOverlay:
     def _publish(self, frame: Frame, found: BoardPose) -> None:
         self._poses.publish(PoseStamped(frame.header, pose_of(found.pose)))
         self._errors.publish(found.error)
-        if not self._publish_tf or not self._tf.get_num_connections():
-            return
-        if not frame.header.frame_id:
-            rospy.logwarn_throttle(60.0, "no transform: the images have no frame_id")
-            return
-        self._tf.publish(TFMessage([transform_of(frame.header, self._frame_id, found.pose)]))
+        if self._tf.is_wanted():
+            self._tf.publish(TFMessage([transform_of(frame.header, self._frame_id, found.pose)]))
 
 
 def main() -> None:

@@ -5,7 +5,6 @@ from typing import Any, Dict, Optional
 
 import rospy
 from std_msgs.msg import Header
-from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from .. import CameraModel, DepthErrorParams, LocatorParams, RegionLocator, validate
@@ -21,6 +20,7 @@ from ..ros.image_node import ImageNode
 from ..ros.live_params import LiveParams, filled
 from ..ros.params import read_prefix
 from ..ros.startup import run_node
+from ..ros.transform_output import TransformOutput
 from ..ros.transport import Frame, note_connections
 from .depth_overlay import depth_colors, draw_places
 from .detection_places import detection_3d, located, misfit
@@ -48,7 +48,7 @@ class Detections3d:
         self._node.subscriber("detections", DetectionArray, self._on_detections)
         self._found = self._node.publisher("~detections", Detection3DArray)
         self._markers = self._node.publisher("~markers", MarkerArray)
-        self._tf = self._node.publisher("/tf", TFMessage, counts=lambda: self._publish_tf)
+        self._tf = TransformOutput(self._node, lambda: self._publish_tf, self._topics())
         self._processed = self._node.image_publisher("~processed_image")
         self._node.start()
 
@@ -152,18 +152,12 @@ class Detections3d:
         self._found.publish(array)
         if self._markers.get_num_connections():
             self._markers.publish(markers(array))
-        if self._publish_tf and self._tf.get_num_connections():
-            self._broadcast(transforms(array))
+        if self._tf.is_wanted():
+            self._tf.publish(transforms(array))
         if self._processed.get_num_connections():
             overlay = depth_colors(depth.image)
             draw_places(overlay, array.detections)
             self._processed.publish(overlay, "bgr8", array.header)
-
-    def _broadcast(self, message: TFMessage) -> None:
-        if message.transforms and not message.transforms[0].header.frame_id:
-            rospy.logwarn_throttle(60.0, f"no transforms: {self._topics()} have no frame_id")
-        elif message.transforms:
-            self._tf.publish(message)
 
     def _topics(self) -> str:
         return f"{current().resolve('detections')} and {self._node.topic}"

@@ -3,8 +3,6 @@
 from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
-import rospy
-from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from .. import (
@@ -25,6 +23,7 @@ from ..ros.image_node import ImageNode
 from ..ros.live_params import LiveParams, filled
 from ..ros.params import read_name
 from ..ros.startup import run_node
+from ..ros.transform_output import TransformOutput
 from ..ros.transport import Frame, note_connections
 from .depth_overlay import depth_gray
 from .depth_range import within
@@ -65,7 +64,7 @@ class Tabletop:
         self._tables = self._node.publisher("~tables", TableArray)
         self._objects = self._node.publisher("~objects", Detection3DArray)
         self._markers = self._node.publisher("~markers", MarkerArray)
-        self._tf = self._node.publisher("/tf", TFMessage, counts=lambda: self._settings.publish_tf)
+        self._tf = TransformOutput(self._node, lambda: self._settings.publish_tf)
         self._processed = self._node.image_publisher("~processed_image")
         self._node.start()
 
@@ -120,19 +119,12 @@ class Tabletop:
             self._objects.publish(object_array(frame.header, tables, camera, settings.planes))
         if self._markers.get_num_connections():
             self._markers.publish(markers(frame.header, tables))
-        if settings.publish_tf and self._tf.get_num_connections() and tables:
-            self._broadcast(transforms(frame.header, self._table_frame, tables))
+        if self._tf.is_wanted():
+            self._tf.publish(transforms(frame.header, self._table_frame, tables))
         if self._processed.get_num_connections():
             overlay = depth_gray(frame.image, settings.max_distance)
             draw_tables(overlay, tables, labels, camera)
             self._processed.publish(overlay, "bgr8", frame.header)
-
-    def _broadcast(self, message: TFMessage) -> None:
-        if message.transforms[0].header.frame_id:
-            self._tf.publish(message)
-        else:
-            topic = self._node.topic
-            rospy.logwarn_throttle(60.0, f"no transforms: the images of {topic} have no frame_id")
 
 
 def main() -> None:

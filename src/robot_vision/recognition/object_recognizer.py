@@ -6,7 +6,6 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 import numpy as np
 import rospy
 from std_srvs.srv import Trigger, TriggerResponse
-from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from .. import CameraModel, draw_text
@@ -21,6 +20,7 @@ from ..ros.image_node import ImageNode
 from ..ros.live_params import LiveParams
 from ..ros.params import read_param, read_prefix
 from ..ros.startup import run_node
+from ..ros.transform_output import TransformOutput
 from ..ros.transport import Frame, FrameError, note_connections
 from .found import Found, Limits
 from .looks import Looks
@@ -101,7 +101,7 @@ class ObjectRecognizer:
         self._tables = [node.publisher(name, TableArray) for name in names("~tables")]
         self._detections = node.publisher("~detections", DetectionArray)
         self._markers = node.publisher("~markers", MarkerArray)
-        self._tf = node.publisher("/tf", TFMessage, counts=lambda: self._settings.publish_tf)
+        self._tf = TransformOutput(node, lambda: self._settings.publish_tf)
         self._processed = node.image_publisher("~processed_image")
 
     def _configure(self, config: Dict[str, Any]) -> None:
@@ -215,9 +215,9 @@ class ObjectRecognizer:
         self._publish_looks(seen, self._detections.get_num_connections() > 0, self._shows())
         if self._markers.get_num_connections():
             self._markers.publish(self._markers_of.of(header, seen.found))
-        if self._settings.publish_tf and self._tf.get_num_connections() and seen.found:
+        if self._tf.is_wanted() and seen.found:
             numbers = self._numbers.of(seen.found)
-            self._broadcast(transforms(header, seen.found, numbers, self._prefix))
+            self._tf.publish(transforms(header, seen.found, numbers, self._prefix))
 
     def _publish_looks(self, seen: Seen, detects: bool, shows: bool) -> None:
         """Publishes ~detections and ~processed_image, for which the objects are drawn."""
@@ -231,13 +231,6 @@ class ObjectRecognizer:
             overlay = image.copy()
             draw_objects(overlay, seen.found, looks)
             self._processed.publish(overlay, "bgr8", header)
-
-    def _broadcast(self, message: TFMessage) -> None:
-        if message.transforms[0].header.frame_id:
-            self._tf.publish(message)
-        else:
-            topic = self._node.topic
-            rospy.logwarn_throttle(60.0, f"no transforms: the images of {topic} have no frame_id")
 
     def _cannot(self, frame: Frame, reason: str, shown: str = "") -> None:
         """Tells why nothing can be recognized in a frame."""

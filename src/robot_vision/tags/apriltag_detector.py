@@ -6,7 +6,6 @@ from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 import numpy as np
 import rospy
 from std_msgs.msg import Header
-from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from .. import CameraModel, DepthErrorParams, Tag, TagDetectorParams, TagPoseParams, to_bgr, to_gray
@@ -20,6 +19,7 @@ from ..ros.image_node import ImageNode
 from ..ros.live_params import LiveParams, filled
 from ..ros.params import read_any, read_param
 from ..ros.startup import run_node
+from ..ros.transform_output import TransformOutput
 from ..ros.transport import Frame, FrameError, note_connections
 from .depth_report import DepthReport
 from .detect_service import DetectService
@@ -71,7 +71,7 @@ class ApriltagDetector:
         self._calibration = CameraInfoListener(self._node, "poses of tags")
         self._tags = self._node.publisher("~tags", TagDetectionArray)
         self._markers = self._node.publisher("~markers", MarkerArray)
-        self._tf = self._node.publisher("/tf", TFMessage, counts=lambda: self._publish_tf)
+        self._tf = TransformOutput(self._node, lambda: self._publish_tf)
         self._processed = self._node.image_publisher("~processed_image")
         self._service = DetectService(self._node, self._calibration, self._detect)
         # A search of a large image takes longer than the time that a node has to end.
@@ -135,8 +135,8 @@ class ApriltagDetector:
             )
         if self._tags.get_num_connections():
             self._tags.publish(tag_array(frame.header, size, tags, bundles))
-        if self._publish_tf and self._tf.get_num_connections():
-            self._broadcast(transforms(frame.header, tags, bundles))
+        if self._tf.is_wanted():
+            self._tf.publish(transforms(frame.header, tags, bundles))
         if self._markers.get_num_connections():
             self._markers.publish(markers(frame.header, tags))
         if self._processed.get_num_connections():
@@ -156,16 +156,6 @@ class ApriltagDetector:
         if (own.width, own.height) != depth.image.shape[1::-1]:  # Images just got another size.
             return None
         return TagDepth(depth.image, own, self._depth_errors)
-
-    def _broadcast(self, message: TFMessage) -> None:
-        if not message.transforms:
-            return
-        if not message.transforms[0].header.frame_id:
-            rospy.logwarn_throttle(
-                60.0, f"no transforms: the images of {self._node.topic} have no frame_id"
-            )
-            return
-        self._tf.publish(message)
 
     def _detect(
         self, image: np.ndarray, encoding: str, header: Header, depth: Optional[DepthFrame]
