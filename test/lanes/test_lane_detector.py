@@ -301,6 +301,39 @@ def test_the_lane_is_kept_until_the_robot_has_left_it():
     assert offset(1.3, -0.25) == pytest.approx(0.15, abs=0.01)
 
 
+NARROW = (Line(0.125, dashed=True), Line(-0.125), Line(-0.375))  # two that are 0.25 m wide
+
+
+@pytest.mark.parametrize(
+    "lines, hidden, width, offset, heading",
+    [
+        (LANES, 0, WIDTH, -0.1, -0.1),  # The other lane is there with both lines,
+        (NARROW, 1, 0.25, 0.0, 0.0),  # or one of it is clearer than the own one.
+    ],
+)
+def test_a_hidden_line_does_not_lead_into_the_lane_beside(lines, hidden, width, offset, heading):
+    tool = detector(lane_width=width)
+    both, one = road_of(0.0, lines), road_of(0.0, lines[:hidden] + lines[hidden + 1 :])
+    for time, road in enumerate((both, one, one, both)):
+        image = road.view(offset, heading, frame=time)
+        lane = tool.update(0.03 * time, image, camera=road.camera)
+        assert lane.found and lane.offset == pytest.approx(offset, abs=0.01), time
+        is_there = [road is both or hidden != line for line in (0, 1)]
+        assert [lane.left.found, lane.right.found] == is_there, time
+
+
+def test_a_lane_beside_is_taken_only_after_a_gap_if_all_else_is_hidden():
+    both, beside, tool = road_of(0.0, LANES), road_of(0.0, LANES[2:]), detector(view_width=1.8)
+
+    def lane(road, time):
+        return tool.update(time, road.view(-0.1, -0.2), camera=road.camera)
+
+    assert lane(both, 0.0).found
+    assert_nothing(lane(beside, 0.4))
+    assert lane(both, 0.5).offset == pytest.approx(-0.1, abs=0.01)
+    assert lane(beside, 1.1).offset == pytest.approx(0.3, abs=0.01)
+
+
 def test_a_quick_turn_loses_no_part_of_the_lines():
     road, tool = road_of(0.0, SOLID), detector()
     for time, heading in enumerate((0.0, 0.07, 0.0)):

@@ -119,7 +119,8 @@ struct LaneDetector::Impl
     }
   }
 
-  /// The lines around where they were; else, or if one of them is missing, those in the whole view.
+  /// The lines around where they were; else, or if one of them is missing, those in the whole view, where
+  /// both of the lane beside may be seen: they do not count before the robot has left its own.
   void search(double time_s, Lane& lane)
   {
     const lanes::Middles middles = lanes::middlesOf(lane.mask);
@@ -131,7 +132,10 @@ struct LaneDetector::Impl
       fits.clear();
       const double half_width = params.window_width / ground.resolution / 2.0;
       for (const lanes::Places& line : lanes::followLines(middles, lane.mask.cols, half_width, params))
-        if (const auto fit = lanes::fitLine(line, *view, params)) fits.push_back(*fit);
+      {
+        const auto fit = lanes::fitLine(line, *view, params);
+        if (fit && (!last || has_left || lanes::mayBeOf(*last, *fit))) fits.push_back(*fit);
+      }
       pair = lanes::choosePair(fits, params, last);
     }
     const double width = last ? last->width : params.lane_width;

@@ -33,6 +33,13 @@ double besideMiddle(const LaneModel& lane, const cv::Point2d& place, cv::Vec4d& 
   return beside;
 }
 
+/// The same of the nearest place of a line.
+double besideMiddle(const LaneModel& lane, const LineFit& line)
+{
+  cv::Vec4d unused;
+  return besideMiddle(lane, {line.from, line.y(line.from)}, unused);
+}
+
 /// Adds what the places of a line tell of the measures; `side` is 1 for the left line and -1 for the right one.
 void addLine(const LaneModel& lane, const LineFit& line, double side, cv::Matx44d& normal, cv::Vec4d& right)
 {
@@ -84,11 +91,10 @@ bool areLane(const LineFit& left, const LineFit& right, const LaneParams& params
 /// Whether a single line is more likely the left one than the right one.
 bool isLeft(const LineFit& line, const LaneParams& params, const std::optional<LaneModel>& last)
 {
-  const double x = line.from;
-  if (!last) return line.y(x) > 0.0;
-  cv::Vec4d unused;
-  const double beside = besideMiddle(*last, {x, line.y(x)}, unused);
-  return std::abs(beside) < params.lane_width ? beside > 0.0 : line.y(x) > 0.0;
+  const bool is_at_left = line.y(line.from) > 0.0;  // of the robot
+  if (!last) return is_at_left;
+  const double beside = besideMiddle(*last, line);
+  return std::abs(beside) < params.lane_width ? beside > 0.0 : is_at_left;
 }
 
 }  // namespace
@@ -101,6 +107,11 @@ cv::Point2d LaneModel::middle(double along) const
   const double x = chord * std::cos(half), y = chord * std::sin(half) - offset;
   const double cosine = std::cos(heading), sine = std::sin(heading);
   return {cosine * x + sine * y, cosine * y - sine * x};
+}
+
+bool mayBeOf(const LaneModel& last, const LineFit& line)
+{
+  return std::abs(besideMiddle(last, line)) < last.width;
 }
 
 LanePair choosePair(const std::vector<LineFit>& fits, const LaneParams& params, const std::optional<LaneModel>& last)

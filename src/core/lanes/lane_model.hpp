@@ -25,6 +25,10 @@ struct LanePair
   const LineFit* right = nullptr;
 };
 
+/// Whether a line may be of a lane in the frame after it: the lanes beside it have others at one and a half widths from
+/// its middle, so that half a width is left for the robot's way.
+bool mayBeOf(const LaneModel& last, const LineFit& line);
+
 /// The best pair of lines that are parallel and as far apart as those of a lane; the best line alone if there is none.
 /// A single line is the one that is nearer in `last`, or the one on its side of the robot.
 LanePair choosePair(const std::vector<LineFit>& fits, const LaneParams& params, const std::optional<LaneModel>& last);
