@@ -7,6 +7,7 @@ import pytest
 import rospy
 from fake_params import use_params
 from std_msgs.msg import Header
+from std_srvs.srv import SetBoolRequest
 
 from robot_vision.line import drive, line_follower
 from robot_vision.ros import live_params, transport
@@ -15,7 +16,9 @@ from robot_vision.ros import live_params, transport
 class Robot:
     """A Drive whose clock the test sets, and the commands that it sends."""
 
-    def __init__(self, monkeypatch):
+    def __init__(self, monkeypatch, params=None):
+        self.params = {} if params is None else params
+        use_params(monkeypatch, self.params)
         self.now = 100.0  # s
         self.sent = []
         monkeypatch.setattr(drive.time, "monotonic", lambda: self.now)
@@ -71,6 +74,25 @@ def test_drives_only_while_it_is_enabled(robot):
     robot.drive.command(0.2, 0.0, seen=robot.now)
     assert robot.sent == []
     assert set(robot.watch(until=101.0)) == {0.0}
+
+
+def test_a_robot_that_was_stopped_stays_so_when_the_node_starts_again(robot, monkeypatch):
+    robot.drive.command(0.2, 0.0, seen=robot.now)
+    assert robot.drive._on_enable(SetBoolRequest(False)).message == "stopped"
+    assert robot.sent == [0.2, 0.0]
+    again = Robot(monkeypatch, robot.params)
+    again.drive.command(0.2, 0.0, seen=again.now)
+    assert again.sent == []
+    assert again.drive._on_enable(SetBoolRequest(True)).message == "driving"
+    third = Robot(monkeypatch, robot.params)
+    third.drive.command(0.2, 0.0, seen=third.now)
+    assert third.sent == [0.2]
+
+
+def test_a_robot_stops_although_there_is_no_master(robot, monkeypatch):
+    monkeypatch.setattr(rospy, "set_param", MagicMock(side_effect=ConnectionRefusedError))
+    assert robot.drive._on_enable(SetBoolRequest(False)).success
+    assert robot.sent == [0.0] and not robot.drive.enabled
 
 
 class Server:

@@ -229,6 +229,7 @@ def test_robot_stops_while_it_is_disabled(driven):
     robot = driven()
     enable = rospy.ServiceProxy("/follower/enable", SetBool)
     assert enable(False).message == "stopped"
+    assert rospy.get_param("/follower/enabled") is False
     support.wait_for(lambda: robot.commands.received[-1] == Twist(), "the stop")
     del robot.commands.received[:]
     for _ in range(20):

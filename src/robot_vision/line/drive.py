@@ -9,6 +9,8 @@ from geometry_msgs.msg import Twist
 from std_srvs.srv import SetBool, SetBoolRequest, SetBoolResponse
 
 from ..ros.context import current
+from ..ros.params import read_param
+from ..ros.registration import UNREACHABLE_ERRORS
 from .line_control import must_stop
 
 PERIOD = 0.05  # s between two checks of the timeout, and between two zero commands
@@ -18,19 +20,23 @@ class Drive:
     """Passes commands on to `cmd_vel` while they keep coming, and else tells the robot to stop.
 
     It repeats a zero Twist when the last observation is older than `timeout`, while the drive is
-    disabled by the service ~enable (std_srvs/SetBool), and when the node shuts down. Time is real
-    time, because a simulated clock that stands still must not keep a robot going.
+    disabled by ~enabled or the service ~enable (std_srvs/SetBool), and when the node shuts down.
+    Time is real time, because a simulated clock that stands still must not keep a robot going.
 
     Args:
         publisher: The publisher of geometry_msgs/Twist.
         timeout: The time in s for which an observation is worth driving on.
+
+    Raises:
+        ValueError: ~enabled has the wrong type.
     """
 
     def __init__(self, publisher: rospy.Publisher, timeout: float = 0.5):
         self.timeout = timeout
-        self.enabled = True
+        self.enabled = read_param("enabled", True)
         self._publisher = publisher
         self._lock = threading.Lock()  # so that no command overtakes a stop
+        self._keeping = threading.Lock()  # so that what is kept is what was asked for last
         self._seen: Optional[float] = None  # s of the monotonic clock, the last observation
         self._ended = False
         self._thread = current().thread(self._watch, "watchdog")
@@ -66,7 +72,16 @@ class Drive:
             self.enabled = request.data
             if not self.enabled:
                 self._send(0.0, 0.0)
-        return SetBoolResponse(True, "driving" if self.enabled else "stopped")
+        self._keep_enabled()
+        return SetBoolResponse(True, "driving" if request.data else "stopped")
+
+    def _keep_enabled(self) -> None:
+        """Sets ~enabled: a robot that was stopped does not drive when the node starts again."""
+        try:
+            with self._keeping:
+                current().set_param("~enabled", self.enabled)
+        except UNREACHABLE_ERRORS as error:
+            rospy.logwarn("~enabled is not kept for when the node starts again: %s", error)
 
     def _end(self) -> None:
         with self._lock:
