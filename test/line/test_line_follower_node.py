@@ -90,11 +90,11 @@ class Robot:
 
         support.wait_for(driven, "the first line and a command to drive")
 
-    def look(self, floor, *parts, size=(240, 320)):
+    def look(self, floor, *parts, size=(240, 320), color=LINE_COLOUR):
         """The line that is found on a floor of this color with these columns and rows as lines."""
         image = np.full((*size, 3), floor, np.uint8)
         for columns, rows in parts:
-            image[rows, columns] = LINE_COLOUR
+            image[rows, columns] = color
         self.world.render = lambda pose, frame: image
         self.step()
         return self.newest_line()
@@ -349,6 +349,25 @@ def test_a_line_in_images_of_another_size_does_not_decide_which_one_is_followed(
         line = robot.look(floor, *parts)
         assert line.found and line.center.x < 40
     assert robot.look(floor, NARROW, WIDE, size=(240, 400)).center.x > 260
+
+
+def test_the_line_of_another_color_does_not_decide_which_one_is_followed(driven):
+    """Nor does the robot search where that was."""
+    red = (0, 0, 200)
+    robot = driven("_search:=true")
+    floor = robot.world.render(robot.drive.pose, 0)[0, 0]
+    blob = slice(45, 57), slice(205, 227)
+    assert robot.look(floor, NARROW).center.x < 40
+    assert robot.look(floor).found is False
+    support.wait_for(lambda: robot.commands.received[-1].angular.z > 0.0, "a turn to the left")
+    assert robot.look(floor, NARROW).center.x < 40
+    support.reconfigured("/follower", h_low=175, h_high=5)
+    assert robot.look(floor, NARROW).found is False
+    support.wait_for(lambda: robot.commands.received[-1] == Twist(), "the stop")
+    support.reconfigured("/follower", h_low=0, h_high=57)
+    assert robot.look(floor, NARROW).center.x < 40
+    support.reconfigured("/follower", h_low=175, h_high=5)
+    assert robot.look(floor, blob, WIDE, color=red).center.x > 260
 
 
 def test_robot_is_told_to_stop_when_the_node_ends(driven):

@@ -1,7 +1,7 @@
 """The node line_follower, which drives a robot along a line."""
 
 import time
-from typing import Any, Dict, Optional, Tuple
+from typing import Any, Dict, Tuple
 
 import rospy
 from geometry_msgs.msg import Point, Twist
@@ -27,10 +27,10 @@ class LineFollower:
     """
 
     def __init__(self) -> None:
-        self._control: Optional[LineControlParams] = None
+        self._made_of: Tuple[Any, ...] = ()  # what the controller was made of, and for which line
         self._followed = Line()  # the line that was seen last, unless that is too long ago
         self._seen = 0.0  # s of the monotonic clock, when that was
-        self._searched: Tuple[int, ...] = ()  # the size of the mask, in whose pixels it is
+        self._searched: Tuple[Any, ...] = ()  # the size of its mask, of which part and color
         self._stamp = rospy.Time()  # of the last frame
         self._node = ImageNode(self._process)
         self._lines = self._node.publisher("~line", LineMessage)
@@ -44,24 +44,28 @@ class LineFollower:
     def _configure(self, config: Dict[str, Any]) -> None:
         line = filled(LineParams(), config)
         control = LineControlParams(**{name: config[name] for name in CONTROL})
-        mask = HsvMask(filled(HsvRange(), config))
-        # A new controller forgets where the line was, so it is made only when it has to be.
-        controller = self._tools[3] if control == self._control else LineController(control)
-        self._control = control
+        sought = config["strip"], filled(HsvRange(), config)
+        mask = HsvMask(sought[1])
+        # A new controller forgets where the line was, so it is made only when it has to be: also
+        # when another color, or another part of the image, has another line.
+        made_of = control, sought
+        controller = self._tools[3] if made_of == self._made_of else LineController(control)
+        self._made_of = made_of
         # Replaced in one step, because another thread may be processing a frame.
-        self._tools = config["strip"], mask, line, controller
+        self._tools = sought, mask, line, controller
         self._min_confidence = config["min_confidence"]
         self._drive.timeout = config["timeout"]
 
     def _process(self, frame: Frame) -> None:
         began, age = time.monotonic(), _age(frame.header.stamp)
-        strip, color, params, controller = self._tools
+        sought, color, params, controller = self._tools
         height = frame.image.shape[0]
-        top = min(round(height * (1.0 - strip)), height - 1)
+        top = min(round(height * (1.0 - sought[0])), height - 1)
         mask = color.apply(frame.image[top:])
-        if began - self._seen > self._drive.timeout or mask.shape != self._searched:
+        searched = mask.shape, sought
+        if began - self._seen > self._drive.timeout or searched != self._searched:
             self._followed = Line()
-        self._searched = mask.shape
+        self._searched = searched
         line = find_line(mask, params, self._followed)
         # Of a mask that fills the image it is 0, which is no line whatever the least may be.
         if line.confidence == 0.0 or line.confidence < self._min_confidence:
