@@ -209,6 +209,16 @@ def test_robot_does_not_drive_on_old_frames(driven):
     # The warning comes at once: the last one, if there was any, is more than 5 s ago.
     text = "frames are 1.00 s old: they are not driven on"
     support.wait_for(lambda: lag() or text in robot.process.output(), "the warning")
+    diagnostics = support.Diagnostics()
+
+    def counted():
+        """As refused, though all but the command is published of them."""
+        lag()
+        return int(diagnostics.value("follower", "frames refused")) > 0
+
+    support.wait_for(counted, "the frames that are refused")
+    assert diagnostics.value("follower", "last error").endswith(text)
+    assert robot.newest_line().header.stamp == robot.now
 
 
 def test_integral_does_not_grow_during_a_pause(driven):

@@ -12,7 +12,7 @@ from ..ros.configs import LineFollowerConfig
 from ..ros.image_node import ImageNode
 from ..ros.live_params import LiveParams, filled
 from ..ros.startup import run_node
-from ..ros.transport import Frame
+from ..ros.transport import Frame, ReportedFrameError
 from .drive import Drive
 from .line_control import LineController, LineControlParams, must_stop
 
@@ -72,27 +72,33 @@ class LineFollower:
             line = Line()
         if line.found:
             self._followed, self._seen = line, began
-        if not self._drive.enabled:
+        enabled = self._drive.enabled
+        late = enabled and must_stop(age, 0.0, True, self._drive.timeout)
+        if not enabled:
             controller.reset()  # Its sums belong to another place when the robot drives again.
-        elif self._is_fresh(frame.header.stamp, age):
+        elif self._is_another(frame.header.stamp) and not late:
             # Where frames have no stamps the clock of ROS may stand still, too.
             stamp = frame.header.stamp.to_sec() or began
             self._drive.command(*controller.update(stamp, line), began - age)
         self._publish(frame, line, top)
         self._roi.publish(frame.image[top:], "bgr8", frame.header)
         self._mask.publish(mask, "mono8", frame.header)
+        if late:
+            self._refuse(age)
 
-    def _is_fresh(self, stamp: rospy.Time, age: float) -> bool:
-        """Returns whether to drive on a frame: not if it is old, nor if it came before."""
-        old, self._stamp = self._stamp, stamp
-        late = must_stop(age, 0.0, True, self._drive.timeout)
-        if late and age < 0.0:
-            rospy.logwarn_throttle(
-                5.0, "stamps are %.2f s ahead of the clock: these frames are not driven on", -age
-            )
-        elif late:
-            rospy.logwarn_throttle(5.0, "frames are %.2f s old: they are not driven on", age)
-        return not late and (stamp.is_zero() or stamp != old)
+    def _is_another(self, stamp: rospy.Time) -> bool:
+        """Returns whether a frame is not the last one again, as of a camera that hangs."""
+        last, self._stamp = self._stamp, stamp
+        return stamp.is_zero() or stamp != last
+
+    def _refuse(self, age: float) -> None:
+        """Has a frame counted as refused that was not driven on, so that diagnostics tell it."""
+        if age < 0.0:
+            reason = f"stamps are {-age:.2f} s ahead of the clock: these frames are not driven on"
+        else:
+            reason = f"frames are {age:.2f} s old: they are not driven on"
+        rospy.logwarn_throttle(5.0, reason)
+        raise ReportedFrameError(reason)
 
     def _publish(self, frame: Frame, line: Line, top: int) -> None:
         center = Point(line.center[0], line.center[1] + top, 0.0) if line.found else Point()
