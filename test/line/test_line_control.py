@@ -154,6 +154,11 @@ def test_search_turns_to_where_the_line_was(mode, error, angular):
     assert controller.update(61.1, None) == (0.0, -angular)
 
 
+def test_a_search_turns_no_faster_than_all_else():
+    params = LineControlParams(search=True, search_angular=0.3, max_angular=0.1)
+    assert commands(params, (0.0, line(0.5)), (0.1, None))[1] == (0.0, -0.1)
+
+
 @pytest.mark.parametrize("timeout", [0.5, 2.0])
 def test_search_does_not_begin_after_a_pause(timeout):
     """The robot has stood since then, and may be elsewhere."""

@@ -21,7 +21,7 @@ class LineControlParams:
 
     mode: str = "course"  # course: full speed, gain and dead band; pid: kp, ki, kd and curve speed
     linear_speed: float = 0.2  # m/s, 0 to 5
-    max_angular: float = 0.3  # rad/s, largest turn of both modes, 0 to 10
+    max_angular: float = 0.3  # rad/s, largest turn of all, 0 to 10
     gain: float = 0.3  # course: rad/s for each px of the line's offset, 0 to 10
     dead_band: float = 20.0  # course: px, largest offset that is not steered against, 0 to 10000
     kp: float = 1.0  # pid: rad/s for an error of 1, half an image width, 0 to 100
@@ -30,7 +30,7 @@ class LineControlParams:
     min_speed: float = 0.05  # pid: m/s where the line is farthest off or across, 0 to 5
     timeout: float = 0.5  # s after a line, in which its error still says something, 0.05 to 10
     search: bool = False  # whether to turn to where the line was lost, instead of stopping at once
-    search_angular: float = 0.3  # rad/s, 0 to 10
+    search_angular: float = 0.3  # rad/s, 0 to 10; max_angular limits it, too
     search_timeout: float = 3.0  # s, longest search before the robot stops, 0 to 60
 
     def __post_init__(self) -> None:
@@ -122,7 +122,8 @@ class LineController:
         searching = time - self._lost_since < self._params.search_timeout
         if not self._params.search or not searching or self._error == 0.0:
             return 0.0, 0.0
-        return 0.0, -math.copysign(self._params.search_angular, self._error)
+        turn = min(self._params.search_angular, self._params.max_angular)
+        return 0.0, -math.copysign(turn, self._error)
 
 
 def must_stop(now: float, last_frame: Optional[float], enabled: bool, timeout: float = 0.5) -> bool:
