@@ -30,6 +30,19 @@ TEST(ObjectFlow, measuresTheFlowOfTheWholeImage)
   EXPECT_THROW(tracker.flow(0), std::invalid_argument);
 }
 
+TEST(ObjectFlow, isNoneAcrossAPause)
+{
+  ObjectTracker tracker;
+  const cv::Mat still = blots(kImageSize, 6);
+  tracker.update(1.0, still, "bgr8");
+  tracker.update(3.0, still, "bgr8");
+  EXPECT_FALSE(tracker.flow().empty());
+  tracker.update(5.1, still, "bgr8");
+  EXPECT_TRUE(tracker.flow().empty());
+  tracker.update(5.2, still, "bgr8");
+  EXPECT_FALSE(tracker.flow().empty());
+}
+
 TEST(ObjectFlow, isThatOfTheCoverOrOfTheBackground)
 {
   const cv::Mat cover = blots({120, 160}, 3);

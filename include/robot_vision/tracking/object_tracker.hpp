@@ -120,7 +120,7 @@ public:
   std::vector<TrackedObject> objects() const;
 
   /// The optical flow from the last frame but one to the newest at up to `count` feature points. Nothing after the
-  /// first frame, after one of another size, and after one whose time is not later.
+  /// first frame, after one of another size, and after one whose time is not later, or more than 2 s later.
   std::vector<FlowPoint> flow(int count = 200);
 
 private:

@@ -17,6 +17,7 @@ namespace robot_vision
 namespace
 {
 
+constexpr double kMaxFlowInterval = 2.0;     // s, in which points of the whole image may still look alike
 constexpr double kMinOverlap = 0.5;          // of two outlines that are taken for the same object
 constexpr double kRecoveryConfidence = 1.3;  // times min_confidence, which an object that is found again must have
 
@@ -180,7 +181,7 @@ std::vector<FlowPoint> ObjectTracker::flow(int count)
 {
   FramePair& frames = impl_->frames;
   require(count > 0, "count", count, "above 0");
-  if (frames.last.empty() || frames.elapsed < kMinInterval) return {};
+  if (frames.last.empty() || frames.elapsed < kMinInterval || frames.elapsed > kMaxFlowInterval) return {};
   // Corners are found in the image of half the size, which is good enough and takes a quarter of the time.
   int halvings = 1;
   const cv::Mat& small = frames.last.halved(frames.flow, halvings);
