@@ -255,7 +255,7 @@ def test_service_call_without_frames_is_answered(start):
     desk = Desk(start, outputs=False)
     answer = rospy.ServiceProxy("/eye/select_object", SelectObject)(region(40, 80), "face")
     assert not answer.success
-    assert answer.message == f"no frame on {desk.topic} within 5 s"
+    assert answer.message == f"no frame on {desk.topic} within 10 s"
     assert desk.process.running()
 
 

@@ -14,7 +14,7 @@ from .sessions import Session
 from .settings import Settings
 
 SELECT = "select_object"
-SELECT_TIMEOUT = 8.0  # s; the node itself waits up to 5 s for a frame
+SELECT_TIMEOUT = 13.0  # s; the node itself waits up to 10 s for a frame
 MAX_ID = 2**31 - 1
 MAX_MESSAGE = 1000  # characters
 

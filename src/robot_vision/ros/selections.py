@@ -13,7 +13,7 @@ from .context import current
 from .image_node import ImageNode
 from .messages import Box, clipped_box
 
-SELECT_TIMEOUT = 5.0  # s that a selection waits for a frame
+SELECT_TIMEOUT = 10.0  # s that a selection waits for a frame: an idle node has to subscribe first
 
 
 class Selection:
