@@ -1,5 +1,6 @@
 """Images of two cameras that belong together, by their stamps."""
 
+import pytest
 import rospy
 
 from robot_vision.recordings.stamp_pairs import StampPairs
@@ -25,6 +26,17 @@ def test_stamps_meet_whichever_comes_first_and_the_nearest_does():
     assert near.add(0, stamp(1.06), "left") is None
 
 
+@pytest.mark.parametrize("lost", ["left 0", "left 4", "right 4"])
+def test_a_lost_image_puts_no_later_pairs_off(lost):
+    pairs = StampPairs(TOPICS, 0.02)  # more than the period of the cameras
+    found = []
+    for number in range(8):
+        for side, name in enumerate(("left", "right")):
+            if f"{name} {number}" != lost:
+                found.append(pairs.add(side, stamp(1.0 + number / 60.0), number))
+    assert [pair for pair in found if pair][-3:] == [(5, 5), (6, 6), (7, 7)]
+
+
 def test_why_there_are_no_pairs_is_told():
     pairs = StampPairs(TOPICS)
     assert pairs.problem() == f"no image comes on {LEFT}"
@@ -37,7 +49,7 @@ def test_why_there_are_no_pairs_is_told():
     wide = StampPairs(TOPICS, 0.1)
     wide.add(0, stamp(1.5), "a")
     wide.add(1, stamp(1.25), "b")
-    assert wide.problem() == text + "at most --slop, 0.1 s, apart"
+    assert wide.problem() == text + "at most --slop, 0.1 s, and half of a camera's period apart"
     unset = StampPairs(TOPICS)
     unset.add(0, stamp(0), "a")
     assert unset.add(1, stamp(0), "b") is None

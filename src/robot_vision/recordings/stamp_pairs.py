@@ -1,7 +1,8 @@
 """Which images of two cameras belong together, by their stamps."""
 
 import collections
-from typing import Any, Deque, Generic, Optional, Sequence, Tuple, TypeVar
+import math
+from typing import Any, Deque, Generic, List, Optional, Sequence, Tuple, TypeVar
 
 MAX_WAITING = 10  # images of each camera that wait for the other one's
 
@@ -13,7 +14,8 @@ class StampPairs(Generic[Item]):
 
     Args:
         topics: Of the left and the right camera, for messages.
-        slop: The largest difference in s between two stamps that meet.
+        slop: The largest difference in s between two stamps that meet. It is half of the time
+            between the last two stamps of a camera if that is less: another one would be nearer.
     """
 
     def __init__(self, topics: Sequence[str], slop: float = 0.0):
@@ -22,6 +24,8 @@ class StampPairs(Generic[Item]):
         self._waiting: Tuple[Deque[Tuple[Any, Item]], ...] = tuple(
             collections.deque(maxlen=MAX_WAITING) for _ in topics
         )
+        self._newest: List[Optional[Any]] = [None for _ in topics]
+        self._between = [math.inf for _ in topics]  # s, the last two stamps of each that differ
         self.found = 0
 
     def add(self, side: int, stamp: Any, item: Item) -> Optional[Tuple[Item, Item]]:
@@ -31,6 +35,7 @@ class StampPairs(Generic[Item]):
             The left and the right item if this one has made a pair complete. What is older waits
             no longer.
         """
+        self._follow(side, stamp)
         own, others = self._waiting[side], self._waiting[1 - side]
         near = [number for number, (other, _) in enumerate(others) if self._meet(stamp, other)]
         if not near:
@@ -54,7 +59,7 @@ class StampPairs(Generic[Item]):
         left, right = self._topics
         newest = " s and ".join(f"{waiting[-1][0].to_sec():.6f}" for waiting in self._waiting)
         if self._slop:
-            expected = f"at most --slop, {self._slop:g} s, apart"
+            expected = f"at most --slop, {self._slop:g} s, and half of a camera's period apart"
         else:
             expected = "equal; --slop allows cameras that are not in step"
         return (
@@ -62,7 +67,13 @@ class StampPairs(Generic[Item]):
             + expected
         )
 
+    def _follow(self, side: int, stamp: Any) -> None:
+        last, self._newest[side] = self._newest[side], stamp
+        if last is not None and stamp != last:
+            self._between[side] = abs((stamp - last).to_sec())
+
     def _meet(self, stamp: Any, other: Any) -> bool:
         if stamp.is_zero() or other.is_zero():  # Drivers that set no stamps leave them at 0.
             return False
-        return stamp == other or abs((stamp - other).to_sec()) <= self._slop
+        limit = min(self._slop, min(self._between) / 2.0)
+        return stamp == other or abs((stamp - other).to_sec()) <= limit
