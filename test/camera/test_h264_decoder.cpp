@@ -166,3 +166,20 @@ TEST_F(H264, isDecodedFromACamera)
   EXPECT_EQ(shown, (std::vector<int>{10, 11, 12, 13, 14, 20, 21, 22, 23}));
   EXPECT_EQ(errors, "/dev/video0: frame 12: H.264 frame of 50 bytes: Invalid data found when processing input");
 }
+
+TEST_F(H264, goesOnWhereADriverUsesANumberTwice)
+{
+  FakeCamera camera;
+  camera.formats = {{V4L2_PIX_FMT_H264, 16, {{176, 144, {30.0}}}}};
+  int packet = 0;
+  camera.frame_bytes = [&](const v4l2_pix_format&, unsigned)
+  { return std::vector<unsigned char>(packets_[packet].datastart, packets_[packet].dataend); };
+  V4l2Source source(camera.plug(), withFormat("h264", kSize.width, kSize.height));
+  for (; packet < 3; ++packet)
+  {
+    Frame frame;
+    ASSERT_EQ(source.read(frame), ReadResult::kFrame) << packet;
+    EXPECT_LT(meanError(frame.image, images_[packet]), kMaxMeanError) << packet;
+    camera.sequence = 0;
+  }
+}

@@ -77,6 +77,26 @@ TEST(V4l2Source, givesTheNewestFrameToAReaderThatIsTooSlow)
   EXPECT_EQ(read(), 11);
 }
 
+TEST(V4l2Source, givesTheNewestFrameOfADriverThatNumbersOnlyWhatItGives)
+{
+  FakeCamera camera;
+  V4l2Source source(camera.plug(), CaptureParams());
+  Frame frame;
+  const auto read = [&]
+  {
+    EXPECT_EQ(source.read(frame), ReadResult::kFrame);
+    return frame.sequence;
+  };
+  EXPECT_EQ(read(), 0);
+  camera.waiting = 4;  // it has no buffer for the next one
+  EXPECT_EQ(read(), 4);
+  camera.waiting = 2;  // the reader is still too slow
+  EXPECT_EQ(read(), 6);
+  EXPECT_EQ(read(), 7);  // it had to wait for this one
+  camera.waiting = 3;
+  EXPECT_EQ(read(), 8);
+}
+
 TEST(V4l2Source, losesNoFrameWhereADriverUsesANumberTwice)
 {
   FakeCamera camera;

@@ -250,6 +250,9 @@ private:
     if (answer.index >= buffers_.size()) return EINVAL;
     answer.length = camera_.format.sizeimage;
     answer.m.offset = answer.index;
+    const auto queued = std::find(queued_.begin(), queued_.end(), answer.index);
+    if (queued != queued_.end())
+      answer.flags = queued - queued_.begin() < camera_.waiting ? V4L2_BUF_FLAG_DONE : V4L2_BUF_FLAG_QUEUED;
     return 0;
   }
 

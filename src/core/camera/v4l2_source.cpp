@@ -15,7 +15,7 @@ namespace
 {
 
 constexpr int kPollTimeoutMs = 100;
-constexpr unsigned kBufferCount = 4;
+constexpr unsigned kBufferCount = 5;  // the reader's, and four for a delay
 
 /// The time of capture on the monotonic clock. It is the driver's time stamp, or the time of arrival if the driver uses
 /// another clock. It is never later than the arrival: some drivers deliver a frame before the time in its stamp.
@@ -33,6 +33,13 @@ v4l2_buffer captureBuffer(unsigned index = 0)
   buffer.memory = V4L2_MEMORY_MMAP;
   buffer.index = index;
   return buffer;
+}
+
+/// Whether frames before this one were lost, if its number was to be `expected`. The driver's counter wraps, and a busy
+/// driver may use a number twice.
+bool isAfterLoss(const v4l2_buffer& filled, std::uint32_t expected)
+{
+  return static_cast<std::int32_t>(filled.sequence - expected) > 0;
 }
 
 }  // namespace
@@ -99,6 +106,7 @@ void V4l2Source::queue(unsigned index)
 ReadResult V4l2Source::read(Frame& frame)
 {
   if (!streaming_) start();
+  if (!canFill()) behind_ = true;
   giveBack();
   if (!device_->waitReadable(0))
   {
@@ -113,6 +121,18 @@ ReadResult V4l2Source::read(Frame& frame)
   frame.sequence = static_cast<std::uint32_t>(filled.sequence - first_sequence_);  // the driver's counter wraps
   frame.monotonic_ns = monotonicStamp(filled);
   return ReadResult::kFrame;
+}
+
+/// Whether the driver has a buffer for the next frame. If not, the frame is lost, and not all drivers number those.
+bool V4l2Source::canFill()
+{
+  for (unsigned i = 0; i < buffers_.size(); ++i)
+  {
+    v4l2_buffer buffer = captureBuffer(i);
+    const bool known = device_->tryCall(VIDIOC_QUERYBUF, &buffer) == 0;
+    if (!known || (static_cast<int>(i) != held_ && (buffer.flags & V4L2_BUF_FLAG_DONE) == 0)) return true;
+  }
+  return false;
 }
 
 /// Gives the buffer of the last frame back to the driver.
@@ -143,8 +163,7 @@ bool V4l2Source::dequeue(v4l2_buffer& filled)
 bool V4l2Source::dequeueNewest(v4l2_buffer& filled)
 {
   if (!dequeue(filled)) return false;
-  // The driver's counter wraps, and a busy driver may use a number twice.
-  if (first_sequence_ >= 0 && static_cast<std::int32_t>(filled.sequence - next_sequence_) > 0) behind_ = true;
+  if (first_sequence_ >= 0 && isAfterLoss(filled, next_sequence_)) behind_ = true;
   for (std::size_t i = 1; behind_ && !decoder_ && i < buffers_.size() && device_->waitReadable(0); ++i)
   {
     if ((filled.flags & V4L2_BUF_FLAG_ERROR) != 0) break;  // damage is told
@@ -161,7 +180,7 @@ bool V4l2Source::take(const v4l2_buffer& filled, Frame& frame)
   if (const std::string damage = damageText(filled, mode_); !damage.empty()) refuse(filled, " " + damage);
   frame.image = imageIn(buffers_[filled.index].start, filled.bytesused, mode_, own_image_);
   if (!decoder_) return true;
-  if (filled.sequence != next_decoded_) decoder_->restart();
+  if (isAfterLoss(filled, next_decoded_)) decoder_->restart();
   next_decoded_ = filled.sequence + 1;
   try
   {

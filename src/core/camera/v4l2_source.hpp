@@ -43,6 +43,7 @@ private:
   void start();
   void mapBuffers();
   void queue(unsigned index);
+  bool canFill();
   void giveBack();
   bool dequeue(v4l2_buffer& filled);
   bool dequeueNewest(v4l2_buffer& filled);
@@ -59,7 +60,7 @@ private:
   std::vector<Buffer> buffers_;
   int held_ = -1;                     // index of the buffer that the last frame points into
   std::uint32_t next_sequence_ = 0;   // the driver's number of the frame after the last one
-  bool behind_ = false;               // whether frames were lost and no read() has had to wait for one since
+  bool behind_ = false;               // whether frames are lost and no read() has had to wait for one since
   std::int64_t first_sequence_ = -1;  // the driver's number of our frame 0 plus the number of refused frames
 };
 
