@@ -1,11 +1,13 @@
 #include <gtest/gtest.h>
 
 #include <condition_variable>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <opencv2/core.hpp>
 #include <stdexcept>
-#include <vector>
+#include <string>
+#include <thread>
 
 #include "core/camera/live_frames.hpp"
 #include "robot_vision/common/monotonic.hpp"
@@ -16,118 +18,130 @@ using namespace robot_vision;
 namespace
 {
 
-/// A stream whose frames, one number each in all pixels, arrive when a test sends them.
+/// A stream whose frames arrive when a test sends them or takes one.
 class LiveFramesTest : public testing::Test
 {
 protected:
   ~LiveFramesTest() override { end(); }
 
-  /// Sends frames and waits until they have been read; negative numbers are damaged ones.
-  void send(const std::vector<int>& numbers)
+  /// Sends frames that nobody waits for, and returns when they have been read.
+  void send(int count)
   {
     std::unique_lock<std::mutex> lock(mutex_);
-    sent_ = numbers;
-    next_ = 0;
+    sent_ = count;
     changed_.notify_all();
-    changed_.wait(lock, [this] { return waits_ && next_ == sent_.size(); });
+    changed_.wait(lock, [this] { return waits_ && sent_ == 0; });
   }
 
-  void end()
+  /// Takes a frame while frames arrive one after the other. They have this number in all pixels; 0 is one that cannot
+  /// be decoded, and with a negative one the decoder fails.
+  bool take(int number)
+  {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      number_ = number;
+      arriving_ = true;
+      changed_.notify_all();
+    }
+    return frames_->take(frame_);
+  }
+
+  void end(bool broken = false)
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     ended_ = true;
+    broken_ = broken;
     changed_.notify_all();
-  }
-
-  /// The number of the newest frame, -1 if there are no more. The frame before must have stayed as it was.
-  int take()
-  {
-    if (!pixels_.empty()) EXPECT_EQ(cv::norm(frame_.image, pixels_, cv::NORM_INF), 0.0);
-    pixels_.release();
-    if (!frames_->take(frame_)) return -1;
-    pixels_ = frame_.image.clone();
-    return frame_.image.at<cv::Vec3b>(1, 2)[1];
   }
 
 private:
   bool grab()
   {
+    std::this_thread::yield();  // to the reader that frames arrive for
     std::unique_lock<std::mutex> lock(mutex_);
     waits_ = true;
     changed_.notify_all();
-    changed_.wait(lock, [this] { return ended_ || next_ < sent_.size(); });
+    changed_.wait(lock, [this] { return ended_ || arriving_ || sent_ > 0; });
     waits_ = false;
-    if (next_ == sent_.size()) return false;
-    number_ = sent_[next_++];
+    if (broken_) throw std::runtime_error("the connection is lost");
+    if (ended_) return false;
+    if (sent_ > 0) --sent_;
+    ++grabbed_;
+    grabbed_ns_ = monotonicNow();
     return true;
   }
 
   bool retrieve(cv::Mat& image)
   {
-    if (number_ < -1) throw std::runtime_error("frame " + std::to_string(number_));
-    if (number_ < 0) return false;
+    const std::lock_guard<std::mutex> lock(mutex_);
+    arriving_ = false;
+    ++retrieved_;
+    retrieved_ns_ = monotonicNow();
+    if (number_ < 0) throw std::runtime_error("frame " + std::to_string(number_));
+    if (number_ == 0) return false;
     image.create(3, 4, CV_8UC3);
     image.setTo(cv::Scalar::all(number_));
     return true;
   }
 
-  std::vector<int> sent_;
-  std::size_t next_ = 0;
+  int sent_ = 0;
   int number_ = 0;
-  cv::Mat pixels_;  // of the frame that was taken last
-  bool waits_ = false, ended_ = false;
+  bool arriving_ = false, waits_ = false, ended_ = false, broken_ = false;
   std::mutex mutex_;
   std::condition_variable changed_;
 
 protected:
-  LiveFrame frame_;
+  int grabbed_ = 0, retrieved_ = 0;                 // how many frames
+  std::int64_t grabbed_ns_ = 0, retrieved_ns_ = 0;  // when the last one was
+  Frame frame_;
   std::unique_ptr<LiveFrames> frames_ =
       std::make_unique<LiveFrames>([this] { return grab(); }, [this](cv::Mat& image) { return retrieve(image); });
 };
 
 }  // namespace
 
-TEST_F(LiveFramesTest, areTheNewestForAReaderThatIsTooSlow)
+TEST_F(LiveFramesTest, areTheNextOnesForAReaderThatIsTooSlow)
 {
-  send({10});
-  EXPECT_EQ(take(), 10);
+  ASSERT_TRUE(take(10));
   EXPECT_EQ(frame_.sequence, 0);
-  send({11, 12, 13});
-  EXPECT_EQ(take(), 13);
-  EXPECT_EQ(frame_.sequence, 3);
-  send({14});
-  send({15});
-  EXPECT_EQ(take(), 15);
-  EXPECT_EQ(frame_.sequence, 5);
+  for (const int number : {11, 12})
+  {
+    send(3);
+    ASSERT_TRUE(take(number));
+    EXPECT_EQ(frame_.image.at<cv::Vec3b>(1, 2), cv::Vec3b::all(number));
+    EXPECT_EQ(frame_.sequence, grabbed_ - 1);
+  }
+  EXPECT_EQ(retrieved_, 3);  // no image is made of what nobody waits for
 }
 
 TEST_F(LiveFramesTest, haveTheTimeOfTheirArrival)
 {
-  const std::int64_t before = monotonicNow();
-  send({1});
-  const std::int64_t after = monotonicNow();
-  EXPECT_EQ(take(), 1);
-  EXPECT_GE(frame_.monotonic_ns, before);
-  EXPECT_LE(frame_.monotonic_ns, after);
+  ASSERT_TRUE(take(1));
+  EXPECT_GE(frame_.monotonic_ns, grabbed_ns_);
+  EXPECT_LE(frame_.monotonic_ns, retrieved_ns_);
 }
 
 TEST_F(LiveFramesTest, areRefusedIfTheyAreDamagedAndGoOn)
 {
-  send({1, -1, 2});
-  EXPECT_EQ(refusal<std::invalid_argument>([this] { take(); }), "a frame cannot be decoded");
-  EXPECT_EQ(take(), 2);
-  EXPECT_EQ(frame_.sequence, 1);  // the damaged frame does not count as lost as well
-  send({-7});
-  EXPECT_EQ(refusal<std::invalid_argument>([this] { take(); }), "frame -7");
-  send({3});
-  EXPECT_EQ(take(), 3);
+  EXPECT_EQ(refusal<std::invalid_argument>([this] { take(0); }), "a frame cannot be decoded");
+  ASSERT_TRUE(take(2));
+  EXPECT_EQ(frame_.sequence, grabbed_ - 2);  // the damaged frame does not count as lost as well
+  EXPECT_EQ(refusal<std::invalid_argument>([this] { take(-7); }), "frame -7");
+  ASSERT_TRUE(take(3));
+  EXPECT_EQ(frame_.sequence, grabbed_ - 3);
 }
 
-TEST_F(LiveFramesTest, endWithTheStreamWhenTheNewestIsTaken)
+TEST_F(LiveFramesTest, endWithTheStream)
 {
-  send({1, 2});
+  ASSERT_TRUE(take(1));
   end();
-  EXPECT_EQ(take(), 2);
-  EXPECT_EQ(take(), -1);
-  EXPECT_EQ(take(), -1);
+  EXPECT_FALSE(frames_->take(frame_));
+  EXPECT_FALSE(frames_->take(frame_));
+}
+
+TEST_F(LiveFramesTest, endWithTheReasonForWhichTheStreamCannotBeReadOn)
+{
+  end(true);
+  EXPECT_EQ(refusal<std::invalid_argument>([this] { frames_->take(frame_); }), "the connection is lost");
+  EXPECT_FALSE(frames_->take(frame_));
 }

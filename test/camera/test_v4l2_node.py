@@ -16,8 +16,8 @@ import yaml
 VIVID = pathlib.Path(__file__).resolve().parent.parent / "vivid"
 SIZE = (480, 640)  # rows, columns
 FRAMERATE = 30.0  # Hz, for which camera_node asks by default
-# VIDIOC_QBUF or VIDIOC_DQBUF fails, whichever comes first after the fault.
 COUNTS = "frames published", "frames refused", "frames dropped"
+# VIDIOC_QBUF or VIDIOC_DQBUF fails, whichever comes first after the fault.
 QUEUE_FAILED = r"\[ERROR\] /camera: /dev/video0: VIDIOC_D?QBUF failed: {}; trying again"
 
 

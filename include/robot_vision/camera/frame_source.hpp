@@ -79,9 +79,9 @@ public:
   virtual ~FrameSource() = default;
 
   /// Gets the next frame. Its images may come with memory that the source may fill or replace by its own. Waits at most
-  /// about 0.1 s. Throws std::invalid_argument for a damaged frame (the next may be good), and SourceError or
-  /// SourceUnavailable if no more frames can come. A device streams from the first read() until the source is
-  /// destroyed.
+  /// about 0.1 s, or for data by a URL as long as FFmpeg does. Throws std::invalid_argument for a damaged frame (the
+  /// next may be good), and SourceError or SourceUnavailable if no more frames can come. A device streams from the
+  /// first read() until the source is destroyed.
   virtual ReadResult read(Frame& frame) = 0;
 
   /// Makes the next read() give the first frame again. Devices and live streams, which have no beginning, ignore it.

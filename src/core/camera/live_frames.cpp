@@ -8,8 +8,7 @@
 namespace robot_vision
 {
 
-LiveFrames::LiveFrames(Grab grab, Retrieve retrieve)
-  : grab_(std::move(grab)), retrieve_(std::move(retrieve)), thread_(&LiveFrames::run, this)
+LiveFrames::LiveFrames(Grab grab, Retrieve retrieve) : grab_(std::move(grab)), retrieve_(std::move(retrieve))
 {
 }
 
@@ -19,18 +18,17 @@ LiveFrames::~LiveFrames()
     const std::lock_guard<std::mutex> lock(mutex_);
     stop_ = true;
   }
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
 }
 
-bool LiveFrames::take(LiveFrame& frame)
+bool LiveFrames::take(Frame& frame)
 {
   std::unique_lock<std::mutex> lock(mutex_);
-  changed_.wait(lock, [this] { return ready_ || ended_ || !damage_.empty(); });
+  awaited_ = &frame;
+  if (!thread_.joinable()) thread_ = std::thread(&LiveFrames::run, this);
+  changed_.wait(lock, [this] { return awaited_ == nullptr || ended_; });
   if (!damage_.empty()) throw std::invalid_argument(std::exchange(damage_, ""));
-  if (!ready_) return false;
-  ready_ = false;
-  std::swap(newest_, frame);  // the memory of the frame that was taken before is that of one to come
-  return true;
+  return awaited_ == nullptr;
 }
 
 void LiveFrames::run()
@@ -52,24 +50,26 @@ void LiveFrames::run()
 
 void LiveFrames::readAll()
 {
-  LiveFrame frame;
+  std::int64_t sequence = 0;
   while (grab_())
   {
-    frame.monotonic_ns = monotonicNow();
-    const std::string damage = retrieveInto(frame.image);
+    const std::int64_t arrival = monotonicNow();
     const std::lock_guard<std::mutex> lock(mutex_);
     if (stop_) return;
-    if (damage.empty())
-    {
-      const std::int64_t next = frame.sequence + 1;
-      std::swap(newest_, frame);
-      frame.sequence = next;
-      ready_ = true;
-    }
-    else
-      damage_ = damage;
-    changed_.notify_all();
+    const bool skipped = awaited_ == nullptr;
+    if (skipped || give(sequence, arrival)) ++sequence;
   }
+}
+
+/// Gives the reader who waits the frame that was grabbed last; false if it is damaged, which the reader is told.
+bool LiveFrames::give(std::int64_t sequence, std::int64_t arrival)
+{
+  damage_ = retrieveInto(awaited_->image);
+  awaited_->sequence = sequence;
+  awaited_->monotonic_ns = arrival;
+  awaited_ = nullptr;
+  changed_.notify_all();
+  return damage_.empty();
 }
 
 std::string LiveFrames::retrieveInto(cv::Mat& image)

@@ -8,19 +8,14 @@
 #include <string>
 #include <thread>
 
+#include "robot_vision/camera/frame_source.hpp"
+
 namespace robot_vision
 {
 
-/// A frame of a stream, valid until the next one is taken.
-struct LiveFrame
-{
-  cv::Mat image;
-  std::int64_t sequence = 0;      // gaps are frames that nobody has taken
-  std::int64_t monotonic_ns = 0;  // of its arrival
-};
-
-/// Reads a stream in a thread of its own, as fast as its frames come, and gives the newest one: what a reader is too
-/// slow for must neither wait at the sender, more of it each second, nor be taken for the present.
+/// Reads a stream in a thread of its own, as fast as its frames come, and gives a reader the next one: what the reader
+/// is too slow for must neither wait at the sender, more of it each second, nor be taken for the present. An image is
+/// made only of a frame that is waited for, so that a slow machine has more time to read.
 class LiveFrames
 {
 public:
@@ -34,20 +29,22 @@ public:
   /// Waits for the end of the last call.
   ~LiveFrames();
 
-  /// Waits for a frame that has not been taken, and returns false if there are no more. Throws std::invalid_argument
-  /// with the reason if frames since the last call were damaged.
-  bool take(LiveFrame& frame);
+  /// Waits for the next frame, at first for that with which the stream begins, and sets its image, time of arrival and
+  /// number, in which gaps are frames that nobody has waited for. Returns false if there are no more. Throws
+  /// std::invalid_argument with the reason if the frame is damaged, which is not numbered then, or if the stream cannot
+  /// be read on.
+  bool take(Frame& frame);
 
 private:
   void run();
   void readAll();
+  bool give(std::int64_t sequence, std::int64_t arrival);
   std::string retrieveInto(cv::Mat& image);
 
   Grab grab_;
   Retrieve retrieve_;
-  LiveFrame newest_;
-  bool ready_ = false;  // whether the newest frame has not been taken
-  std::string damage_;  // of frames since the last call of take()
+  Frame* awaited_ = nullptr;  // what the reader waits for
+  std::string damage_;        // that the reader has not been told
   bool ended_ = false;
   bool stop_ = false;
   std::mutex mutex_;  // guards all above but the functions

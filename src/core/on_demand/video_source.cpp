@@ -64,7 +64,7 @@ void VideoSource::open()
 
 ReadResult VideoSource::read(Frame& frame)
 {
-  if (live_) return readNewest(frame);
+  if (live_) return readLive(frame);
   if (!grab()) return endOrThrow();
   if (!capture_.retrieve(frame.image)) throw std::invalid_argument(shown_ + ": a frame cannot be decoded");
   frame.encoding = "bgr8";
@@ -74,23 +74,20 @@ ReadResult VideoSource::read(Frame& frame)
   return ReadResult::kFrame;
 }
 
-ReadResult VideoSource::readNewest(Frame& frame)
+ReadResult VideoSource::readLive(Frame& frame)
 {
   if (!frames_)
     frames_ = std::make_unique<LiveFrames>([this] { return grab(); },
                                            [this](cv::Mat& image) { return capture_.retrieve(image); });
   try
   {
-    if (!frames_->take(newest_)) return endOrThrow();
+    if (!frames_->take(frame)) return endOrThrow();
   }
   catch (const std::invalid_argument& e)
   {
     throw std::invalid_argument(shown_ + ": " + e.what());
   }
-  frame.image = newest_.image;
   frame.encoding = "bgr8";
-  frame.sequence = newest_.sequence;
-  frame.monotonic_ns = newest_.monotonic_ns;
   return ReadResult::kFrame;
 }
 

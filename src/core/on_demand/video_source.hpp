@@ -12,7 +12,7 @@ namespace robot_vision
 {
 
 /// Reads a video file or a stream's URL with FFmpeg through OpenCV. Of a file it gives each frame, of a live stream the
-/// newest.
+/// next one that arrives.
 class VideoSource : public FrameSource
 {
 public:
@@ -21,13 +21,12 @@ public:
   ReadResult read(Frame& frame) override;
   void rewind() override;
   double rate() const override { return live_ ? 0.0 : rate_; }
-  bool fillsMemory() const override { return !live_; }
   std::string description() const override;
 
 private:
   void open();
   bool grab() { return std::exchange(grabbed_, false) || capture_.grab(); }
-  ReadResult readNewest(Frame& frame);
+  ReadResult readLive(Frame& frame);
   ReadResult endOrThrow() const;
 
   std::string path_;
@@ -42,8 +41,7 @@ private:
   std::int64_t sequence_ = 0;
   cv::VideoCapture capture_;
   bool grabbed_ = false;  // the first frame is grabbed on opening, because FFmpeg opens files that it cannot decode
-  LiveFrame newest_;      // of a live stream, as is the thread that reads it
-  std::unique_ptr<LiveFrames> frames_;
+  std::unique_ptr<LiveFrames> frames_;  // of a live stream
 };
 
 }  // namespace robot_vision
