@@ -6,6 +6,7 @@
 #include <chrono>
 #include <future>
 #include <memory>
+#include <string>
 #include <thread>
 
 #include "core/camera/v4l2_source.hpp"
@@ -69,6 +70,25 @@ TEST(ControlSettings, takeUsbCamsParametersThenItsMapThenOurs)
     EXPECT_EQ(settings[i].name, expected[i].first);
     EXPECT_TRUE(settings[i].value == expected[i].second) << expected[i].first;
   }
+}
+
+TEST(ControlSettings, switchTheAutofocusOffForAFocusAsUsbCamDoes)
+{
+  const ros::NodeHandle nh("~focus");
+  const auto autofocus = [&nh]
+  {
+    std::string values;
+    for (const ControlSetting& setting : readControlSettings(nh))
+      if (setting.name == "autofocus") values += toText(setting.value) + " ";
+    return values;
+  };
+  EXPECT_EQ(autofocus(), "");
+  nh.setParam("focus", -1);
+  EXPECT_EQ(autofocus(), "");
+  nh.setParam("focus", 40);
+  EXPECT_EQ(autofocus(), "false ");
+  nh.setParam("autofocus", true);
+  EXPECT_EQ(autofocus(), "true ");
 }
 
 TEST(ControlServer, opensTheDeviceOnceForEachChange)

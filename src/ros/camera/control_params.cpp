@@ -1,5 +1,6 @@
 #include "control_params.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <stdexcept>
@@ -52,6 +53,17 @@ ControlValue toControlValue(const std::string& name, XmlRpcValue value)
   refuse(name, value, "an integer, true, false or a text");
 }
 
+/// Adds what usb_cam does with a focus: it switches the autofocus off unless that is asked for.
+void addFocusMode(std::vector<ControlSetting>& settings)
+{
+  const auto has = [&](const char* name)
+  {
+    return std::any_of(settings.begin(), settings.end(),
+                       [name](const ControlSetting& setting) { return setting.name == name; });
+  };
+  if (has("focus") && !has("autofocus") && !has("auto_focus")) settings.push_back({"autofocus", false});
+}
+
 /// Reads a map of control names and values; the result is not valid() if there is no such parameter.
 XmlRpcValue readMap(const ros::NodeHandle& pnh, const std::string& map)
 {
@@ -99,6 +111,7 @@ std::vector<ControlSetting> readControlSettings(const ros::NodeHandle& pnh)
     settings.push_back(setting);
     noteKnownParam(pnh, name, valueText(value));
   }
+  addFocusMode(settings);
   addIntrinsicControls(pnh, settings);
   XmlRpcValue controls = readMap(pnh, "controls");
   if (!controls.valid()) return settings;
