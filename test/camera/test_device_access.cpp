@@ -71,11 +71,16 @@ TEST_F(DeviceAccess, namesTheProcessThatHoldsABusyDevice)
   char byte;
   ASSERT_EQ(read(ready[0], &byte, 1), 1);
   const std::string advice = accessAdvice(path_, EBUSY);
+  const std::string link = std::string(path_) + "_link";
+  ASSERT_EQ(symlink(path_, link.c_str()), 0);
+  const std::string advice_for_link = accessAdvice(link, EBUSY);
+  unlink(link.c_str());
   kill(holder, SIGKILL);
   waitpid(holder, nullptr, 0);
   close(ready[0]);
   close(ready[1]);
   EXPECT_EQ(advice, "; it is open in test_camera (process " + std::to_string(holder) + ")");
+  EXPECT_EQ(advice_for_link, advice);
 }
 
 TEST_F(DeviceAccess, hasNoAdviceForOtherErrors)

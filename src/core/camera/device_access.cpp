@@ -5,11 +5,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <memory>
+#include <system_error>
 #include <vector>
 
 namespace robot_vision
@@ -48,23 +51,25 @@ std::vector<std::string> numbersIn(const std::string& folder)
   return names;
 }
 
-bool hasOpen(const std::string& process, const struct stat& device)
+/// Only the text of the descriptors' links is read: what follows them waits for the network if a file is there.
+bool hasOpen(const std::string& process, const std::filesystem::path& device)
 {
   const std::string descriptors = "/proc/" + process + "/fd/";
-  for (const std::string& descriptor : numbersIn(descriptors))
+  const std::vector<std::string> numbers = numbersIn(descriptors);
+  const auto is_device = [&](const std::string& number)
   {
-    struct stat info;
-    const bool known = stat((descriptors + descriptor).c_str(), &info) == 0;
-    if (known && info.st_dev == device.st_dev && info.st_ino == device.st_ino) return true;
-  }
-  return false;
+    std::error_code unknown;
+    return std::filesystem::read_symlink(descriptors + number, unknown) == device;
+  };
+  return std::any_of(numbers.begin(), numbers.end(), is_device);
 }
 
 /// Names the other processes that have the file open, as far as this user may see their descriptors.
 std::string busyAdvice(const std::string& path)
 {
-  struct stat device;
-  if (stat(path.c_str(), &device) != 0) return "";
+  std::error_code missing;
+  const std::filesystem::path device = std::filesystem::canonical(path, missing);
+  if (missing) return "";
   const std::string self = std::to_string(getpid());
   std::string holders;
   for (const std::string& process : numbersIn("/proc"))
