@@ -276,6 +276,24 @@ def test_recording_all_topics_of_a_color_camera_logs_no_errors(republish):
     assert "ERROR" not in process.output() and "WARN" not in process.output()
 
 
+@pytest.mark.parametrize("transport", ["theora", "compressed"])
+def test_recording_all_topics_of_depths_logs_no_errors(republish, transport):
+    source, target, process = republish("raw", transport)
+    _, back, _ = republish(transport, "raw", target)
+    out = support.Messages(back, Image)
+    publisher = Source(source)
+    stays_empty = f"{target}/{transport} stays empty: 32FC1 images hold depths"
+
+    def is_told():
+        publisher.send(message(np.ones((48, 64), np.float32), "32FC1"))
+        return stays_empty in process.output()
+
+    support.wait_for(is_told, stays_empty)
+    open_chain(publisher, message(smooth(), "bgr8"), out)
+    assert process.output().count(stays_empty) == 1
+    assert "ERROR" not in process.output() and "WARN" not in process.output()
+
+
 def test_theora_reaches_late_subscribers(republish):
     source, middle, _ = republish("raw", "theora")
     _, early, _ = republish("theora", "raw", middle)

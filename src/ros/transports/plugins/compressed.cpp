@@ -11,7 +11,7 @@
 namespace robot_vision
 {
 
-/// Publishes image_transport's "compressed": JPEG or PNG.
+/// Publishes image_transport's "compressed": JPEG or PNG, which cannot hold 32FC1.
 class CompressedPublisher
   : public TransportPublisher<sensor_msgs::CompressedImage, CompressedPublisherConfig, CompressionParams>
 {
@@ -25,6 +25,7 @@ private:
   void send(const sensor_msgs::Image& message, const CompressionParams& params,
             const PublishFn& publish_fn) const override
   {
+    if (message.encoding == "32FC1") return leaveEmpty("32FC1 images hold depths");
     publish_fn(compressMessage(message, params));
   }
 };

@@ -1,6 +1,5 @@
 #include <sensor_msgs/CompressedImage.h>
 
-#include <atomic>
 #include <pluginlib/class_list_macros.hpp>
 
 #include "robot_vision/codecs/compressed_depth.hpp"
@@ -11,8 +10,8 @@
 namespace robot_vision
 {
 
-/// Publishes image_transport's "compressedDepth". Every image topic has this transport, and recorders subscribe to all
-/// topics. So for images that hold no depths it publishes nothing and logs that once.
+/// Publishes image_transport's "compressedDepth". Every image topic has this transport, but of images that hold no
+/// depths it publishes nothing.
 class CompressedDepthPublisher
   : public TransportPublisher<sensor_msgs::CompressedImage, CompressedDepthPublisherConfig, DepthCompressionParams>
 {
@@ -26,16 +25,9 @@ private:
   void send(const sensor_msgs::Image& message, const DepthCompressionParams& params,
             const PublishFn& publish_fn) const override
   {
-    if (!isDepth(message.encoding))
-    {
-      if (!logged_.exchange(true))
-        ROS_INFO("%s stays empty: %s images hold no depths", getTopic().c_str(), message.encoding.c_str());
-      return;
-    }
+    if (!isDepth(message.encoding)) return leaveEmpty(message.encoding + " images hold no depths");
     publish_fn(compressDepthMessage(message, params));
   }
-
-  mutable std::atomic<bool> logged_{false};
 };
 
 /// Subscribes to "compressedDepth".

@@ -4,6 +4,7 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "robot_vision/codecs/theora.hpp"
+#include "robot_vision/image/encoding.hpp"
 #include "ros/params/fields.hpp"
 #include "theora_packet.hpp"
 #include "transport_publisher.hpp"
@@ -35,7 +36,7 @@ TheoraPacket toPacket(const TheoraPacketMessage& message)
 }  // namespace
 
 /// Publishes image_transport's "theora". A new subscriber gets the headers at once, and the next image is a keyframe
-/// for all subscribers.
+/// for all subscribers. Of depths, which a video could not hold, it publishes nothing.
 class TheoraPublisher : public TransportPublisher<TheoraPacketMessage, TheoraPublisherConfig, TheoraParams>
 {
 public:
@@ -66,6 +67,7 @@ private:
 
   void send(const sensor_msgs::Image& message, const TheoraParams& params, const PublishFn& publish_fn) const override
   {
+    if (isDepthEncoding(message.encoding)) return leaveEmpty(message.encoding + " images hold depths");
     const cv::Mat bgr = convertPixels(message, "bgr8");
     const std::lock_guard<std::mutex> lock(mutex_);
     if (!equalFields(params, params_)) encoder_ = TheoraEncoder(params);

@@ -2,6 +2,7 @@
 
 #include <image_transport/simple_publisher_plugin.h>
 
+#include <atomic>
 #include <boost/make_shared.hpp>
 #include <memory>
 #include <string>
@@ -55,6 +56,12 @@ protected:
   /// sent an image separately.
   virtual void send(const sensor_msgs::Image& message, const Params& params, const PublishFn& publish_fn) const = 0;
 
+  /// Logs once why nothing is sent of such images. That is no error: recorders subscribe to all transports of a topic.
+  void leaveEmpty(const std::string& reason) const
+  {
+    if (!left_empty_.exchange(true)) ROS_INFO("%s stays empty: %s", this->getTopic().c_str(), reason.c_str());
+  }
+
   void advertiseImpl(ros::NodeHandle& nh, const std::string& base_topic, std::uint32_t queue_size,
                      const image_transport::SubscriberStatusCallback& on_connect,
                      const image_transport::SubscriberStatusCallback& on_disconnect, const ros::VoidPtr& tracked_object,
@@ -78,6 +85,7 @@ private:
   typename Settings::ToParams to_params_;
   std::unique_ptr<Settings> settings_;
   mutable Throttle refused_;
+  mutable std::atomic<bool> left_empty_{false};
   mutable NewestWorker worker_;
 };
 
