@@ -4,6 +4,7 @@
 #include <cctype>
 #include <filesystem>
 
+#include "core/common/starts_with.hpp"
 #include "image_files_source.hpp"
 #include "robot_vision/camera/open_source.hpp"
 #include "robot_vision/common/range.hpp"
@@ -20,11 +21,6 @@ constexpr bool kHasFreenect = false;
 #endif
 
 constexpr int kMaxLinks = 40;  // symbolic links that are followed one after another, as in the kernel
-
-bool startsWith(const std::string& text, const std::string& start)
-{
-  return text.compare(0, start.size(), start) == 0;
-}
 
 /// True for a path, and for a name that ends like a file's: .mp4, .3gp, .jpeg.
 bool looksLikeFile(const std::string& name)

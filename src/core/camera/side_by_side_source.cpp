@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "core/common/starts_with.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
 
@@ -9,11 +10,6 @@ namespace robot_vision
 {
 namespace
 {
-
-bool startsWith(const std::string& text, const char* start)
-{
-  return text.rfind(start, 0) == 0;
-}
 
 /// How many columns of an image go together: two of them share their chroma, or are different in a Bayer pattern.
 int columnsTogether(const std::string& encoding)

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "png.hpp"
+#include "robot_vision/common/byte_order.hpp"
 
 // This uses libpng's own interface, because OpenCV lets it print what is wrong with a stream: a line on the terminal
 // for each image that somebody sends.
@@ -20,12 +21,6 @@ namespace robot_vision
 {
 namespace
 {
-
-bool isLittleEndian()
-{
-  const std::uint16_t one = 1;
-  return *reinterpret_cast<const unsigned char*>(&one) == 1;
-}
 
 /// Decodes one stream with libpng. An error handler must not return to libpng: it jumps back to the last run(), and the
 /// stack frames in between must not need destructors.
@@ -88,7 +83,7 @@ private:
     const bool has_color = (color & PNG_COLOR_MASK_COLOR) != 0;
     if (depth == CV_8U && bits == 16)
       png_set_strip_16(png_);
-    else if (isLittleEndian())
+    else if (isLittleEndianHost())
       png_set_swap(png_);
     if (channels < 4)
       png_set_strip_alpha(png_);

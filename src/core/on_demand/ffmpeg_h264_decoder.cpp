@@ -15,13 +15,13 @@ extern "C"
 
 #include "robot_vision/camera/frame_source.hpp"
 #include "robot_vision/common/range.hpp"
+#include "robot_vision/image/jpeg.hpp"
 
 namespace robot_vision
 {
 namespace
 {
 
-constexpr std::int64_t kMaxPixels = 8192 * 8192;
 constexpr int kLogLevelOffset =
     100;  // lowers the level of FFmpeg's messages until none is printed: errors become exceptions
 
@@ -127,7 +127,7 @@ FfmpegH264Decoder::FfmpegH264Decoder() : context_(std::make_unique<Context>())
   // Threads for frames would delay the images by as many frames, and few cameras' streams have the slices for slice
   // threads.
   codec.thread_count = 1;
-  codec.max_pixels = kMaxPixels;
+  codec.max_pixels = std::int64_t{kMaxPixels};
   codec.log_level_offset = kLogLevelOffset;
   const int error = avcodec_open2(&codec, decoder, nullptr);
   if (error != 0) throw SourceError("FFmpeg's decoder for H.264 cannot be opened: " + describe(error));

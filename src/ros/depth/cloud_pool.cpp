@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "ros/images/image_message.hpp"
+#include "robot_vision/common/byte_order.hpp"
 
 namespace robot_vision
 {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cv_bridge_calls.hpp"
+#include "robot_vision/common/byte_order.hpp"
 #include "robot_vision/common/printable.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
@@ -129,12 +130,6 @@ std::string describeRefusal(const sensor_msgs::Image& message, const std::string
 {
   return "refused a frame on " + topic + " (" + printable(message.encoding) + ", " +
          sizeText(message.width, message.height) + "): " + reason;
-}
-
-bool isLittleEndianHost()
-{
-  const std::uint16_t one = 1;
-  return *reinterpret_cast<const std::uint8_t*>(&one) == 1;
 }
 
 void layOut(cv::Size size, const std::string& encoding, sensor_msgs::Image& message)

@@ -41,9 +41,6 @@ void requireEncoding(const cv::Mat& pixels, const std::string& encoding);
 /// The log line for an image that is refused: topic, encoding, size and reason.
 std::string describeRefusal(const sensor_msgs::Image& message, const std::string& topic, const std::string& reason);
 
-/// Whether this machine has the lowest byte of a number first.
-bool isLittleEndianHost();
-
 /// Gives a message the layout of an image of this size and encoding (any that cv_bridge knows), without padding. Its
 /// header and pixels are undefined.
 void layOut(cv::Size size, const std::string& encoding, sensor_msgs::Image& message);
