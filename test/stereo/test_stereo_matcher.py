@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import re
 import subprocess
 import sys
 
@@ -250,6 +251,11 @@ def test_colors_are_matched_by_their_gray():
         ({"median": 4}, "median is 4, must be 0, 3 or 5"),
         ({"speckle_range": float("nan")}, "speckle_range is nan, must be from 0 to 64"),
         ({"prefilter": "none"}, "prefilter is none, must be xsobel or normalized_response"),
+        (
+            {"uniqueness_ratio": 100},
+            "uniqueness_ratio is 100, must be at most 88 for sgbm_3way with these block_size, "
+            "prefilter_cap and p2",
+        ),
     ],
 )
 def test_parameters_out_of_range_are_refused(values, said):
@@ -288,6 +294,16 @@ def test_parameters_out_of_range_are_refused(values, said):
             {"method": "hh", "disparities": 256},
             "the images' size is 1500x1100, must be smaller for hh with so many disparities",
         ),
+        (
+            ((60, 640),) * 2,
+            {"method": "bm", "full_image": False, "min_disparity": 350},
+            "the images' width is 640, must be at least 700 px for bm with so large a min_dis",
+        ),
+        (
+            ((60, 300),) * 2,
+            {"method": "bm", "disparities": 16, "min_disparity": 400, "bm_block_size": 5},
+            "the images' width is 300, must be at least 380 px for bm with so large a min_dis",
+        ),
     ],
 )
 def test_images_that_cannot_be_matched_are_refused(shapes, values, said):
@@ -295,6 +311,43 @@ def test_images_that_cannot_be_matched_are_refused(shapes, values, said):
     with pytest.raises(ValueError) as error:
         disparity_of(*images, **values)
     assert str(error.value).startswith(said)
+
+
+@pytest.mark.parametrize("size, disparities, block", [((240, 320), 304, 21), ((16, 17), 16, 5)])
+def test_where_no_pixel_can_be_matched_there_are_no_disparities(size, disparities, block):
+    """OpenCV's StereoBM leaves what was in memory."""
+    image = np.full(size, 128, np.uint8)
+    values = {"disparities": disparities, "bm_block_size": block, "speckle_size": 0}
+    made = params(method="bm", full_image=False, **values)
+    assert rv.StereoMatcher(made).window(*size[::-1]) == (0, 0, 0, 0)
+    assert np.isnan(rv.StereoMatcher(made).match(image, image, "mono8")).all()
+
+
+def largest_ratio(**values):
+    """The largest uniqueness_ratio that is possible."""
+    try:
+        rv.StereoMatcher(params(uniqueness_ratio=100, **values))
+    except ValueError as error:
+        return int(re.search("at most ([0-9]+) for", str(error)).group(1))
+    return 100
+
+
+@pytest.mark.parametrize("block, cap", [(1, 31), (5, 1), (5, 31), (7, 63), (9, 31), (11, 63)])
+@pytest.mark.parametrize("method", METHODS[1:])
+def test_with_a_larger_uniqueness_ratio_no_more_is_found(method, block, cap):
+    """Of two images that have nothing to do with each other."""
+    y, x = np.mgrid[:100, :160].astype(float)
+    left, right = stereo_images.texture(x, y), stereo_images.texture(x + 1000.0, y + 1000.0)
+    values = {"method": method, "block_size": block, "prefilter_cap": cap}
+    largest = largest_ratio(**values)
+    assert largest == 100 if method != "sgbm_3way" else largest < 100
+    shares = [
+        np.isfinite(
+            disparity_of(left, right, uniqueness_ratio=ratio, disp12_max_diff=-1, **values)
+        ).mean()
+        for ratio in (5, largest // 2, largest)
+    ]
+    assert shares[0] > 0.02 and sorted(shares, reverse=True) == shares
 
 
 @pytest.mark.parametrize("method", METHODS)

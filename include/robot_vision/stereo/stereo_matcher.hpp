@@ -53,7 +53,8 @@ struct StereoParams
     visit("prefilter_cap", &StereoParams::prefilter_cap, Range{1, 63}, "gray levels",
           "largest value of a prefiltered pixel");
     visit("uniqueness_ratio", &StereoParams::uniqueness_ratio, Range{0, 100}, "%",
-          "by which the best disparity has to be better than others; more leaves out what is doubtful");
+          "by which the best disparity has to be better than others; more leaves out what is doubtful; sgbm_3way: less "
+          "than 100, the less the larger block_size, prefilter_cap and p2 are");
     visit("disp12_max_diff", &StereoParams::disp12_max_diff, Range{-1, 512}, "px",
           "largest difference between the disparities of both images, at least 1 but with bm; -1: not compared");
     visit("speckle_size", &StereoParams::speckle_size, Range{0, 100000}, "px^2",
@@ -67,8 +68,8 @@ struct StereoParams
   }
 };
 
-/// Throws std::invalid_argument for the first parameter out of range, for disparities that are no multiple of 16, and
-/// for a p2 that is not above p1, where 0 stands for its default.
+/// Throws std::invalid_argument for the first parameter out of range, for disparities that are no multiple of 16, for a
+/// p2 that is not above p1, where 0 stands for its default, and for a uniqueness_ratio that is too large for sgbm_3way.
 void validate(const StereoParams& params);
 
 /// Finds how far what is seen in the left one of two rectified images is farther left in the right one.
@@ -92,8 +93,8 @@ public:
   /// the left image minus x in the right one, in steps of 1/16; NaN where none was found. `left_seen` and `right_seen`
   /// are 0 where a rectified image shows nothing, where there are none either (see Rectifier::seen(); CV_8UC1, empty:
   /// all is seen). The images are not modified. Throws std::invalid_argument if they are not of `encoding`, not of one
-  /// size, smaller than 16 px or bm_block_size + 1 px, not wider than the largest disparity without full_image, or with
-  /// hh so large that they would take more than 1 GB.
+  /// size, smaller than 16 px or bm_block_size + 1 px, not wider than the largest disparity without full_image, less
+  /// than twice as wide as min_disparity with bm, or with hh so large that they would take more than 1 GB.
   void match(const cv::Mat& left, const cv::Mat& right, const std::string& encoding, cv::Mat& disparity,
              const cv::Mat& left_seen = cv::Mat(), const cv::Mat& right_seen = cv::Mat());
 

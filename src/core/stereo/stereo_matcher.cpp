@@ -21,6 +21,9 @@ constexpr int kUnlimited = 1 << 20;             // px, a difference that no two 
 constexpr double kMaxCosts = 1 << 28;           // of hh, which takes 4 bytes for each disparity of each pixel
 constexpr int kMultiple = 16;                   // px, of the number of disparities
 constexpr int kSmallStep = 8, kLargeStep = 32;  // costs for each pixel of a block, as in OpenCV's samples
+constexpr int kMinCap = 15;                     // gray levels, SGBM's prefilter has no smaller one
+constexpr int kMaxGrayCost = 255 / 4;           // of a pixel's gray value, beside that of its prefiltered one
+constexpr double kMaxCost = 32766.0;            // that SGBM can compare, with 16 bits
 
 bool isBm(const StereoParams& params)
 {
@@ -58,6 +61,19 @@ cv::Ptr<cv::StereoMatcher> makeSgbm(const StereoParams& p)
                                 p.uniqueness_ratio, 0, 0, modes.at(p.method));
 }
 
+/// The largest ratio with which sgbm_3way leaves out what is doubtful.
+///
+/// OpenCV divides the least cost by 1 - ratio, and keeps 16 bits of that: a cost that is too large for them becomes one
+/// that nothing is below, so that all disparities are taken for certain, and 100 % ends the process. The least cost is
+/// the sum of three directions. Even of images that have nothing to do with each other it is mostly less than one
+/// direction's largest cost, which is what counts here.
+int maxUniquenessRatio(const StereoParams& p)
+{
+  const int max_of_pixel = 2 * (std::max(p.prefilter_cap, kMinCap) | 1) + kMaxGrayCost;
+  const int max_cost = max_of_pixel * p.block_size * p.block_size + costOf(p.p2, kLargeStep, p.block_size);
+  return static_cast<int>(100.0 * (1.0 - max_cost / kMaxCost));
+}
+
 /// What both images are widened by, px.
 struct Margins
 {
@@ -90,6 +106,10 @@ void validate(const StereoParams& params)
   const int p1 = costOf(params.p1, kSmallStep, params.block_size);
   const int p2 = costOf(params.p2, kLargeStep, params.block_size);
   require(p2 > p1, "p2", p2, "above p1, " + std::to_string(p1));
+  const int max_ratio = maxUniquenessRatio(params);
+  require(params.method != "sgbm_3way" || params.uniqueness_ratio <= max_ratio, "uniqueness_ratio",
+          params.uniqueness_ratio,
+          "at most " + std::to_string(max_ratio) + " for sgbm_3way with these block_size, prefilter_cap and p2");
 }
 
 struct StereoMatcher::Impl
@@ -102,7 +122,11 @@ struct StereoMatcher::Impl
     require(of_left.size() == of_right.size(), "the right image's size", toText(of_right.size()),
             toText(of_left.size()) + " as of the left one");
     requireMatchable(of_left.size());
-    matcher->compute(widened(of_left, margins), widened(of_right, margins), wide);
+    const cv::Mat left_wide = widened(of_left, margins), right_wide = widened(of_right, margins);
+    // StereoBM writes nothing at all if blocks and disparities leave no pixel that can be matched.
+    wide.create(left_wide.size(), CV_16SC1);
+    wide.setTo(invalidDisparity(params.min_disparity));
+    matcher->compute(left_wide, right_wide, wide);
     const cv::Mat inner = wide(cv::Rect({margins.left, margins.rows}, of_left.size()));
     if (params.median > 0)
       cv::medianBlur(inner, found, params.median);
@@ -119,6 +143,11 @@ struct StereoMatcher::Impl
     const int reach = std::max(0, params.min_disparity + params.disparities) + std::max(0, -params.min_disparity);
     require(params.full_image || size.width > reach, "the images' width", size.width,
             "above " + std::to_string(reach) + " px, what disparities from min_disparity on need without full_image");
+    // With blocks of 5 px and a prefilter_cap above 31 StereoBM writes costs behind the end of its memory if
+    // min_disparity is more than half of the width.
+    const int wide_enough = 2 * params.min_disparity - margins.left - margins.right;
+    require(!isBm(params) || size.width >= wide_enough, "the images' width", size.width,
+            "at least " + std::to_string(wide_enough) + " px for bm with so large a min_disparity");
     const double costs = 1.0 * (size.width + margins.left + margins.right) * size.height * params.disparities;
     require(params.method != "hh" || costs <= kMaxCosts, "the images' size", toText(size),
             "smaller for hh with so many disparities, which would take more than 1 GB");
