@@ -184,6 +184,28 @@ def test_a_vertical_frame_tells_what_is_up(start):
     publisher.unregister()
 
 
+def test_without_a_transform_all_frames_are_refused(start, diagnostics):
+    kitchen = Kitchen(start, "_vertical_frame:=base")
+    said = "no transform from the vertical_frame 'base' to its frame 'eye'"
+    kitchen.shown_until(said, level="ERROR")
+
+    def count(of):
+        return int(diagnostics.value("tabletop", f"frames {of}"))
+
+    before = count("published"), count("refused")
+
+    def refused():
+        kitchen.camera.show(METRES, "32FC1")
+        return count("refused") > before[1] + 2
+
+    support.wait_for(refused, "frames to be refused")
+    assert count("published") == before[0]
+    assert said in diagnostics.value("tabletop", "last error")
+    publisher = place_in_tf()
+    assert kitchen.answers()["tables"].tables
+    publisher.unregister()
+
+
 def test_transforms_need_a_frame_id(start):
     kitchen = Kitchen(start, "_publish_tf:=true")
     transforms = support.subscribed("/tf", TFMessage)

@@ -7,6 +7,7 @@ from ..ros.frame_transforms import FrameTransforms
 from ..ros.transport import Frame, FrameError
 
 TRANSFORM_GRACE = 2.0  # s, for the first transforms to come
+RENEWAL_PERIOD = 10.0  # s without a transform, until listening begins anew
 UNKNOWN = (0.0, 0.0, 0.0)
 
 
@@ -15,6 +16,7 @@ class VerticalAxis:
 
     def __init__(self) -> None:
         self._transforms = FrameTransforms()
+        self._is_missing = False  # whether the last frame was refused
 
     def of(self, frame: Frame, vertical: str) -> Optional[Tuple[float, ...]]:
         """Returns the unit vector that points up in the optical frame of a frame's image.
@@ -25,15 +27,19 @@ class VerticalAxis:
             FrameError: There is no transform from the vertical frame.
         """
         if not vertical:
-            self._transforms.forget()
+            self.forget()
             return UNKNOWN
         own = frame.header.frame_id
         axes = self._transforms.rotation(own, vertical)
         if axes is not None:
+            self._is_missing = False
             return tuple(axes[:, 2].tolist())
-        if self._transforms.age < TRANSFORM_GRACE:
+        if not self._is_missing and self._transforms.age < TRANSFORM_GRACE:
             return None
-        self._transforms.forget()  # It begins anew, as after a bag that plays again.
+        self._is_missing = True
+        if self._transforms.age >= RENEWAL_PERIOD:
+            # Of a bag that plays again tf2 leaves out what is older than what it knows.
+            self._transforms.forget()
         raise FrameError(
             f"no transform from the vertical_frame '{vertical}' to its frame '{printable(own)}', "
             "expected on /tf_static or /tf"
@@ -42,3 +48,4 @@ class VerticalAxis:
     def forget(self) -> None:
         """Ends listening."""
         self._transforms.forget()
+        self._is_missing = False
