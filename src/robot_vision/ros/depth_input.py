@@ -125,7 +125,8 @@ class DepthInput:
         """
         self._look.check(frame)
         own = frame.header.frame_id
-        if own and frame_id and own != frame_id:
+        # A slash that a name begins with is of times of tf_prefix, and says nothing.
+        if own and frame_id and own.lstrip("/") != frame_id.lstrip("/"):
             raise FrameError(
                 f"its frame is {brief(own)}, must be that of the images on {self._node.topic}, "
                 f"{brief(frame_id)}: is it registered?"
