@@ -115,6 +115,16 @@ class Watched:
 
         support.wait_for(told, text)
 
+    def refused_until(self, text, diagnostics, *found, **options):
+        """Shows depth images until one is counted as refused for this."""
+
+        def refused():
+            self.show(list(found), **options)
+            return text in diagnostics.value("places", "last error")
+
+        support.wait_for(refused, "the frame to be refused")
+        assert int(diagnostics.value("places", "frames refused")) > 0
+
     def topics(self):
         return f"{self.found.topic} and {self.depth.topic}"
 
@@ -256,21 +266,40 @@ def test_nothing_found_is_published_too(start):
     assert (array.detections, array.left_out) == ([], 0)
 
 
-def test_stamps_that_never_meet_are_told_with_both_topics(start):
+def test_stamps_that_never_meet_are_told_with_both_topics(start, diagnostics):
     watched = Watched(start)
     said = f"the stamps on {watched.topics()} do not meet: the nearest are 0.25 s apart, must be"
     watched.shown_until(f"{said} at most slop, 0.02 s", face(), late=0.25)
+    watched.refused_until(f"{said} at most slop, 0.02 s", diagnostics, face(), late=0.25)
     assert not watched.outputs["/places/detections"].received
     assert watched.answer([face()], late=0.015).detections
     support.reconfigured("/places", slop=0.3)
     assert watched.answer([face()], late=0.25).detections
 
 
-def test_depth_that_is_not_registered_is_told_with_both_topics(start):
+def test_a_detector_that_says_nothing_is_told_and_counted(start, diagnostics):
     watched = Watched(start)
-    watched.shown_until("do not fit", face(), depth=np.ascontiguousarray(MILLIMETRES[:60, :80]))
+    said = f"no detections on {watched.found.topic} for 5 s"
+
+    def refused():
+        image = message(MILLIMETRES, "16UC1")
+        image.header = Header(0, rospy.Time.now(), "eye")
+        watched.infos.send(watched.info)
+        watched.depth.send(image)
+        return said in diagnostics.value("places", "last error")
+
+    support.wait_for(refused, "a frame to be refused")
+    assert f"no places of detections: {said}" in watched.process.output()
+    assert watched.answer([face()]).detections
+
+
+def test_depth_that_is_not_registered_is_told_with_both_topics(start, diagnostics):
+    watched = Watched(start)
+    small = np.ascontiguousarray(MILLIMETRES[:60, :80])
+    watched.shown_until("do not fit", face(), depth=small)
     said = f"{watched.topics()} do not fit: the detections are of an image of 160x120, the depth of"
     assert f"{said} 80x60: the depth has to be registered" in watched.process.output()
+    watched.refused_until(f"{said} 80x60", diagnostics, face(), depth=small)
     assert not watched.outputs["/places/detections"].received
     assert watched.answer([face()]).detections
 
@@ -282,6 +311,21 @@ def test_depth_of_another_frame_is_told_and_no_name_is_none(start):
     assert text in watched.process.output()
     assert watched.answer([face()], frames=("", "eye")).detections
     assert watched.answer([face()], frames=("eye", "")).detections
+
+
+@pytest.mark.parametrize("depth_first", [False, True])
+def test_depth_that_does_not_fit_is_counted_whichever_comes_first(start, diagnostics, depth_first):
+    watched = Watched(start)
+    assert watched.answer([face()]).detections
+    detections = DetectionArray(Header(0, rospy.Time(5000), "eye"), WIDTH, HEIGHT, [face()])
+    image = message(MILLIMETRES, "16UC1")
+    image.header = Header(0, rospy.Time(5000), "other_eye")
+    sent = [(watched.found, detections), (watched.depth, image)][:: -1 if depth_first else 1]
+    for source, one in sent:
+        source.send(one)
+    support.wait_for(
+        lambda: int(diagnostics.value("places", "frames refused")) == 1, "the frame to be refused"
+    )
 
 
 def spoil_size(info):

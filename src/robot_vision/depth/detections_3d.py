@@ -21,7 +21,7 @@ from ..ros.live_params import LiveParams, filled
 from ..ros.params import read_prefix
 from ..ros.startup import run_node
 from ..ros.transform_output import TransformOutput
-from ..ros.transport import Frame, note_connections
+from ..ros.transport import Frame, FrameError, ReportedFrameError, note_connections
 from .depth_overlay import depth_colors, draw_places
 from .detection_places import detection_3d, located, misfit
 from .places import frame_ids, markers, transforms
@@ -66,51 +66,59 @@ class Detections3d:
 
     def _on_depth(self, depth: Frame) -> None:
         self._look.check(depth)
-        self._report_missing("detections")
+        missing = self._report_missing("detections")
         detections = self._pairs.message_of(depth)
         if detections:
             self._process(depth, detections)
         with self._lock:
             if self._camera_of(depth) is None:
                 self._calibration.refuse()
+        if not detections and (missing or self._pairs.apart()):
+            raise ReportedFrameError(missing or self._apart_text())
 
     def _on_detections(self, detections: DetectionArray) -> None:
         depth = self._pairs.frame_of(detections)
         if depth:
-            self._process(depth, detections)
+            try:
+                self._process(depth, detections)
+            except FrameError as error:
+                self._node.refuse(depth, error)
         elif not self._report_missing("depth") and self._pairs.apart() and self._apart.due():
-            rospy.logwarn(
-                "no places of detections: the stamps on %s do not meet: the nearest are %.3g s "
-                "apart, must be at most slop, %g s",
-                self._topics(),
-                self._pairs.distance(),
-                self._pairs.slop,
-            )
+            rospy.logwarn("no places of detections: %s", self._apart_text())
 
-    def _report_missing(self, name: str) -> bool:
+    def _apart_text(self) -> str:
+        return (
+            f"the stamps on {self._topics()} do not meet: the nearest are "
+            f"{self._pairs.distance():.3g} s apart, must be at most slop, {self._pairs.slop:g} s"
+        )
+
+    def _report_missing(self, name: str) -> str:
         missing = self._node.missing(only=name)
         if missing:
             rospy.logwarn_throttle(10.0, f"no places of detections: {missing}")
-        return bool(missing)
+        return missing
 
     def _process(self, depth: Frame, detections: DetectionArray) -> None:
         with self._lock:
-            problem = misfit(detections, depth, self._calibration.frame_id)
-            if problem and self._unfit.due():
-                rospy.logerr(
-                    "no places of detections: %s do not fit: %s: the depth has to be registered to "
-                    "the camera of the detections",
-                    self._topics(),
-                    problem,
-                )
-            if problem:
-                return
+            self._require_fit(depth, detections)
             camera = self._camera_of(depth)
             if camera is None:
                 return
             if camera is not self._camera:
                 self._camera, self._locator = camera, RegionLocator(camera, *self._values)
             self._publish(depth, self._located(depth, detections))
+
+    def _require_fit(self, depth: Frame, detections: DetectionArray) -> None:
+        problem = misfit(detections, depth, self._calibration.frame_id)
+        if not problem:
+            return
+        text = (
+            f"{self._topics()} do not fit: {problem}: the depth has to be registered to the camera "
+            "of the detections"
+        )
+        if self._unfit.due():
+            rospy.logerr("no places of detections: %s", text)
+        raise ReportedFrameError(text)
 
     def _camera_of(self, depth: Frame) -> Optional[CameraModel]:
         return self._calibration.camera(depth.image.shape[1::-1])
