@@ -328,6 +328,18 @@ def test_depth_that_does_not_fit_is_counted_whichever_comes_first(start, diagnos
     )
 
 
+def test_rectified_images_have_the_camera_of_p(start):
+    watched = Watched(start, "_rectified:=true")
+    watched.info.P = [120.0, 0.0, 70.0, 0.0, 0.0, 120.0, 55.0, 0.0, 0.0, 0.0, 1.0, 0.0]
+    rectified = rv.CameraModel(WIDTH, HEIGHT, np.reshape(watched.info.P, (3, 4))[:, :3])
+    (one,) = watched.answer([face()]).detections
+    locator = rv.RegionLocator(rectified)
+    assert_place(one, locator.locate(MILLIMETRES, FACE_BOX, corners(FACE_BOX)))
+    support.reconfigured("/places", rectified=False)
+    (one,) = watched.answer([face()]).detections
+    assert_place(one, located(MILLIMETRES, FACE_BOX, corners(FACE_BOX)))
+
+
 def spoil_size(info):
     info.width = 80
 

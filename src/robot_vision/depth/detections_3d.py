@@ -59,6 +59,7 @@ class Detections3d:
         with self._lock:
             self._values = params
             self._camera = None  # The locator is made anew.
+            self._rectified = config["rectified"]
             self._predicted = config["predicted"]
             self._publish_tf = config["publish_tf"]
             self._pairs.slop = config["slop"]
@@ -121,7 +122,7 @@ class Detections3d:
         raise ReportedFrameError(text)
 
     def _camera_of(self, depth: Frame) -> Optional[CameraModel]:
-        return self._calibration.camera(depth.image.shape[1::-1])
+        return self._calibration.camera(depth.image.shape[1::-1], self._rectified)
 
     def _located(self, depth: Frame, detections: DetectionArray) -> Detection3DArray:
         header = detections.header
