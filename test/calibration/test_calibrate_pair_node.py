@@ -16,8 +16,9 @@ from frames import message
 from sensor_msgs.msg import CameraInfo, Image
 from sensor_msgs.srv import SetCameraInfo, SetCameraInfoResponse
 
-from robot_vision import CalibrationScene, SceneParams
+from robot_vision import CalibrationScene, CameraModel, SceneParams
 from robot_vision.calibration.calibrate_headless import main
+from robot_vision.calibration.camera_file import camera_yaml
 
 BASELINE = 0.1  # m, of the scene's pair
 TOPICS = LEFT, RIGHT = "/eyes/left/image_raw", "/eyes/right/image_raw"
@@ -269,11 +270,8 @@ def test_what_is_no_pair_is_named(calibrate, pairs, folders, tmp_path):
     assert f"{left}/left_00.png and {shifted}/right_01.png are no pair" in error(left, shifted)
     truth = CalibrationScene().camera
     half = tmp_path / "half.yaml"
-    half.write_text(
-        "image_width: 320\nimage_height: 240\ndistortion_model: plumb_bob\n"
-        f"camera_matrix: {{data: {truth.K.ravel().tolist()}}}\n"
-        f"distortion_coefficients: {{data: {truth.D}}}\n"
-    )
+    camera = CameraModel(320, 240, truth.K, truth.D, "plumb_bob")
+    half.write_text(camera_yaml(camera, np.eye(3), np.eye(3, 4), "half"))
     assert f"{half} is of images of 320x240, these have 640x480" in error(
         left, right, "--keep", half, half
     )

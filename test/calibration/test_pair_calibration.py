@@ -315,6 +315,38 @@ def test_the_file_of_a_camera_without_a_model_can_be_kept(tmp_path):
     assert (kept.distortion_model, list(kept.D)) == ("plumb_bob", [])
 
 
+def file_of_an_eye(path):
+    camera = rv.CameraModel(*SIZE, np.diag([500.0, 500.0, 1.0]), [0.1, 0, 0, 0, 0], "plumb_bob")
+    projection = np.column_stack([np.reshape(camera.K, (3, 3)), np.zeros(3)])
+    path.write_text(camera_yaml(camera, np.eye(3), projection, "eye"))
+    return path
+
+
+def test_a_file_that_names_no_model_is_of_plumb_bob(tmp_path):
+    """So it is for camera nodes; camera_calibration wrote none before others were there."""
+    path = file_of_an_eye(tmp_path / "eye.yaml")
+    path.write_text(path.read_text().replace("distortion_model: plumb_bob\n", ""))
+    kept = read_camera(str(path))
+    assert (kept.distortion_model, list(kept.D)) == ("plumb_bob", [0.1, 0, 0, 0, 0])
+
+
+@pytest.mark.parametrize(
+    "valid, wrong, reason",
+    [
+        ("cols: 4", "cols: 3", "projection_matrix is 3x3 with 12 numbers, must be 3x4 with as"),
+        ("cols: 5", "cols: 4", "distortion_coefficients is 1x4 with 5 numbers, must be 1x0 to"),
+        ("rows: 1\n  cols: 5", "rows: -1\n  cols: -5", "distortion_coefficients is -1x-5 with 5"),
+        ("cols: 5", "cols: 500000000", "distortion_coefficients is 1x500000000 with 5 numbers"),
+        ("cols: 5", "cols: five", "it is no calibration of a camera"),
+    ],
+)
+def test_matrices_of_another_size_are_refused_as_by_a_camera(tmp_path, valid, wrong, reason):
+    path = file_of_an_eye(tmp_path / "eye.yaml")
+    path.write_text(path.read_text().replace(valid, wrong))
+    with pytest.raises(ValueError, match=f"^{path}: {reason}"):
+        read_camera(str(path))
+
+
 def test_a_file_of_a_camera_that_is_not_calibrated_is_named(tmp_path):
     path = tmp_path / "eye.yaml"
     found = calibrate(collected("circles", "plumb_bob").of_camera(0), SIZE, "plumb_bob")

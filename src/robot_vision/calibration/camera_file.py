@@ -1,7 +1,8 @@
 """Calibrations as the files that camera_info_manager loads when a camera starts."""
 
 import os
-from typing import List
+from operator import index
+from typing import Any, Dict, List, Tuple
 
 import numpy as np
 import yaml
@@ -11,6 +12,14 @@ from ..common.errors import about
 from ..common.files import MAX_TEXT, read_file
 from ..common.yaml_text import load_yaml
 from .solving import Calibration
+
+MATRICES = {  # the rows and columns
+    "camera_matrix": (3, 3),
+    "rectification_matrix": (3, 3),
+    "projection_matrix": (3, 4),
+}
+DISTORTION = "distortion_coefficients"
+MAX_COEFFICIENTS = 14  # of OpenCV's models
 
 
 def default_path(camera_name: str) -> str:
@@ -44,7 +53,7 @@ def camera_yaml(
         "camera_name: " + yaml.safe_dump(camera_name, default_style='"').strip(),
         *_matrix("camera_matrix", np.reshape(camera.K, (3, 3))),
         f"distortion_model: {camera.distortion_model or 'plumb_bob'}",
-        *_matrix("distortion_coefficients", np.reshape(camera.D, (1, -1))),
+        *_matrix(DISTORTION, np.reshape(camera.D, (1, -1))),
         *_matrix("rectification_matrix", np.reshape(rotation, (3, 3))),
         *_matrix("projection_matrix", np.reshape(projection, (3, 4))),
     ]
@@ -62,15 +71,38 @@ def read_camera(path: str) -> CameraModel:
     with about(path):
         values = load_yaml(text.decode())
         try:
+            _require_matrices(values)
             return CameraModel(
                 values["image_width"],
                 values["image_height"],
                 values["camera_matrix"]["data"],
-                values["distortion_coefficients"]["data"],
-                values["distortion_model"],
+                values[DISTORTION]["data"],
+                values.get("distortion_model", "plumb_bob"),  # which old files do not name
             )
         except (KeyError, TypeError):
             raise ValueError("it is no calibration of a camera") from None
+
+
+def _require_matrices(values: Dict[str, Any]) -> None:
+    """Raises ValueError unless a camera node would take the sizes of the matrices, too."""
+    for name, (rows, columns) in MATRICES.items():
+        size = _size_of(values[name])
+        _require(size == (rows, columns, rows * columns), name, size, f"{rows}x{columns}")
+    rows, columns, numbers = size = _size_of(values[DISTORTION])
+    bounded = min(size) >= 0 and max(size) <= MAX_COEFFICIENTS
+    ok = bounded and rows * columns == numbers
+    _require(ok, DISTORTION, size, f"1x0 to 1x{MAX_COEFFICIENTS}")
+
+
+def _size_of(matrix: Dict[str, Any]) -> Tuple[int, int, int]:
+    """Returns the rows, the columns and the count of the numbers of a file's matrix."""
+    return index(matrix["rows"]), index(matrix["cols"]), len(matrix["data"])
+
+
+def _require(ok: bool, name: str, size: Tuple[int, int, int], expected: str) -> None:
+    if not ok:
+        is_size = "{}x{} with {} numbers".format(*size)
+        raise ValueError(f"{name} is {is_size}, must be {expected} with as many")
 
 
 def _matrix(name: str, values: np.ndarray) -> List[str]:

@@ -5,12 +5,15 @@
 #include <pwd.h>
 #include <ros/package.h>
 #include <unistd.h>
+#include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <boost/algorithm/string/replace.hpp>
 #include <cstdlib>
 #include <filesystem>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "robot_vision/common/printable.hpp"
 #include "robot_vision/common/range.hpp"
@@ -24,6 +27,7 @@ namespace
 {
 
 constexpr std::size_t kMaxReasonLength = 200;  // bytes, of an error's text
+constexpr int kMaxCoefficients = 14;           // of a distortion, in OpenCV's models
 const std::string kFile = "file://";
 const std::string kPackage = "package://";
 const std::string kDefaultUrl = "file://${ROS_HOME}/camera_info/${NAME}.yaml";
@@ -63,6 +67,42 @@ CalibrationFormat formatOf(const std::string& path)
   return std::filesystem::path(path).extension() == ".ini" ? CalibrationFormat::kIni : CalibrationFormat::kYaml;
 }
 
+struct MatrixSize
+{
+  int rows, columns;
+  int numbers;  // of the data, which may be others
+};
+
+MatrixSize sizeOf(const YAML::Node& calibration, const std::string& name)
+{
+  const YAML::Node matrix = calibration[name];
+  return {matrix["rows"].as<int>(), matrix["cols"].as<int>(), static_cast<int>(matrix["data"].size())};
+}
+
+void requireSize(bool ok, const std::string& name, const MatrixSize& size, const std::string& expected)
+{
+  require(ok, name, sizeText(size.rows, size.columns) + " with " + std::to_string(size.numbers) + " numbers",
+          expected + " with as many");
+}
+
+/// camera_calibration_parsers believes the sizes in a file: with others than these its assertions end the process, or
+/// it writes beyond its matrices. Throws std::invalid_argument for those.
+void requireMatrices(const YAML::Node& calibration)
+{
+  const std::pair<std::string, int> matrices[] = {
+      {"camera_matrix", 3}, {"rectification_matrix", 3}, {"projection_matrix", 4}};
+  for (const auto& [name, columns] : matrices)
+  {
+    const MatrixSize size = sizeOf(calibration, name);
+    const bool ok = size.rows == 3 && size.columns == columns && size.numbers == 3 * columns;
+    requireSize(ok, name, size, sizeText(3, columns));
+  }
+  const MatrixSize lens = sizeOf(calibration, "distortion_coefficients");
+  const bool bounded = std::max({lens.rows, lens.columns, lens.numbers}) <= kMaxCoefficients;
+  const bool ok = bounded && std::min(lens.rows, lens.columns) >= 0 && lens.rows * lens.columns == lens.numbers;
+  requireSize(ok, "distortion_coefficients", lens, "1x0 to " + sizeText(1, kMaxCoefficients));
+}
+
 }  // namespace
 
 std::string calibrationPath(const std::string& url, const std::string& camera_name)
@@ -91,7 +131,11 @@ sensor_msgs::CameraInfo parseCalibration(const std::string& text, CalibrationFor
   std::istringstream stream(text);
   try
   {
-    if (!ini) requireBoundedYaml(text);
+    if (!ini)
+    {
+      requireBoundedYaml(text);
+      requireMatrices(YAML::Load(text));
+    }
     if (ini ? camera_calibration_parsers::readCalibrationIni(stream, camera_name, info)
             : camera_calibration_parsers::readCalibrationYml(stream, camera_name, info))
       return info;
