@@ -1,5 +1,6 @@
 """The node apriltag_detector: tags, poses, tf, markers and ~detect against the ground truth."""
 
+import itertools
 import os
 import struct
 import threading
@@ -321,6 +322,20 @@ def test_detect_the_next_frame(start):
     assert not answer.success and "encoding '8UC1' is not one of" in answer.message
 
 
+def test_detect_waits_for_a_calibration_that_comes_after_the_frame(start):
+    studio = Studio(start)
+    detect = Caller(studio)
+    images = itertools.count()
+
+    def show(*arguments):
+        studio.info = calibrated() if next(images) >= 5 else None
+        send(*arguments)
+
+    send, studio.send = studio.send, show
+    answer = detect(image=image_of([(9, facing(0.0, 0.0, 1.0))]))
+    assert with_poses(answer.tags) and answer.message == ""
+
+
 def test_detect_a_file(start, tmp_path):
     studio = Studio(start, info=calibrated())
     studio.info.header.frame_id = "lens"
@@ -329,12 +344,16 @@ def test_detect_a_file(start, tmp_path):
     path = str(tmp_path / "tags.png")
     cv2.imwrite(path, image)
 
-    def located():
-        """The answer, when the calibration has come; the first call is the first to ask for it."""
-        answer = detect(path)
-        return answer if with_poses(answer.tags) else None
+    def located(path):
+        """The answer to a call for which the calibration has come in time."""
 
-    answer = support.wait_for(located, "poses")
+        def answer():
+            one = detect(path)
+            return one if with_poses(one.tags) else None
+
+        return support.wait_for(answer, "poses")
+
+    answer = located(path)
     assert (answer.success, answer.message) == (True, "")
     assert [tag.id for tag in answer.tags.detections] == [8, 9] and with_poses(answer.tags)
     assert answer.tags.header.frame_id == "lens"
@@ -342,13 +361,20 @@ def test_detect_a_file(start, tmp_path):
     # The calibration holds for the sensor's pixels, whichever side of the camera was up.
     file = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, 99])[1].tobytes()
     (tmp_path / "sideways.jpg").write_bytes(sideways(file))
-    answer = detect(str(tmp_path / "sideways.jpg"))
-    assert (answer.success, answer.message) == (True, "") and with_poses(answer.tags)
+    answer = located(str(tmp_path / "sideways.jpg"))
+    assert (answer.success, answer.message) == (True, "")
     assert_near(matrix_of(answer.tags.detections[1].pose.pose), facing(0, 0, 1.0), 0.01, 15.0)
+    # Another lens has been put on the camera while the node did nothing.
+    studio.infos.wait_for(0)
+    studio.info = calibrated(matrix=K @ np.diag([2.0, 2.0, 1.0]))
+    answer = located(path)
+    assert answer.tags.detections[1].pose.pose.position.z == pytest.approx(2.0, rel=0.01)
+    studio.info = calibrated()
     cv2.imwrite(path, cv2.copyMakeBorder(image, 8, 8, 8, 8, cv2.BORDER_REPLICATE))
-    answer = detect(path)
-    assert answer.success and not answer.tags.detections[0].has_pose
-    assert "camera_info is of 640x480, the image 656x496" in answer.message
+    reason = "camera_info is of 640x480, the image 656x496"
+    answers = []
+    support.wait_for(lambda: answers.append(detect(path)) or reason in answers[-1].message, reason)
+    assert answers[-1].success and not answers[-1].tags.detections[0].has_pose
     header = struct.pack(">IIBBBBB", 60000, 60000, 8, 0, 0, 0, 0)
     chunk = (
         struct.pack(">I", 13) + b"IHDR" + header + struct.pack(">I", zlib.crc32(b"IHDR" + header))

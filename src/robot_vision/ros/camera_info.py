@@ -21,8 +21,9 @@ NOT_CALIBRATED = "no calibration: see what the node has printed"  # in overlays
 class CameraInfoListener:
     """Keeps the newest camera_info of a node's images, whatever its stamp is.
 
-    It also serves images without a stamp. The camera_info is expected on the topic camera_info if
-    that name is remapped, and otherwise beside the image: for /usb_cam/image_raw on
+    It also serves images without a stamp. What came before the node was idle is forgotten, because
+    the camera may have been calibrated since. The camera_info is expected on the topic camera_info
+    if that name is remapped, and otherwise beside the image: for /usb_cam/image_raw on
     /usb_cam/camera_info.
 
     Args:
@@ -44,6 +45,7 @@ class CameraInfoListener:
         self._reports = Repeats(REPEAT_PERIOD)
         self._first_asked = 0.0  # s of the monotonic clock
         node.subscriber(self.topic, CameraInfo, self._on_info)
+        node.on_idle(self._forget)
 
     def camera(self, size: Tuple[int, int], rectified: bool = False) -> Optional[CameraModel]:
         """Returns the camera model for images of `size`, (width, height) in px.
@@ -106,6 +108,11 @@ class CameraInfoListener:
     def _on_info(self, info: CameraInfo) -> None:
         self._info = info
         self._arrived.set()
+
+    def _forget(self) -> None:
+        self._info = None
+        self._arrived.clear()
+        self._first_asked = 0.0
 
     def _report_missing(self) -> None:
         now = time.monotonic()

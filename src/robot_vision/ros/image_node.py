@@ -48,7 +48,7 @@ class ImageNode:
         self._context = current()
         # Others' threads call it, as that of a subscriber which comes.
         self._note_connections = self._context.bind(transport.note_connections)
-        self._idle = idle
+        self._idle = [idle]
         self._name = name
         self._always = read_param("always_subscribe", False)
         # A robot needs its other cores for other work, and sharing an image costs more in sum.
@@ -123,6 +123,10 @@ class ImageNode:
         self._other_images[name] = images
         return images
 
+    def on_idle(self, release: Callable[[], Any]) -> None:
+        """Adds a function that is called as `idle` is, when the work ends."""
+        self._idle.append(release)
+
     def keep_working(self, wanted: bool) -> None:
         """Sets whether to work even if nobody subscribes. Thread-safe."""
         self._wanted = wanted
@@ -195,7 +199,8 @@ class ImageNode:
                 self._context.close(self._subscribers.pop().unregister)
             self._working_since = float("inf")
             self._lack = ""
-            self._idle()
+            for release in self._idle:
+                release()
 
     def _start_others(self) -> None:
         """Subscribes to the other images; why it cannot is told in the node's diagnostics, too."""
