@@ -11,6 +11,9 @@ from robot_vision.ros import depth_input
 from robot_vision.ros.transport import Frame, FrameError
 
 SIZE = (64, 48)
+HEADER = Header(stamp=rospy.Time(1.0), frame_id="camera")
+IMAGE = Frame(np.zeros((*SIZE[::-1], 3), np.uint8), "bgr8", HEADER)
+DEPTH = Frame(np.ones(SIZE[::-1], np.float32), "32FC1", HEADER)
 
 
 class Node:
@@ -23,48 +26,68 @@ class Node:
 
     subscriber = image_subscriber
 
-    def missing(self, only):
-        return ""
+    lack = ""
+
+    def missing(self, *_, only):
+        assert only == "depth"
+        return self.lack
 
 
-@pytest.fixture
-def input_and_pairs(monkeypatch):
-    """A DepthInput, and what it gives on."""
+def input_of(monkeypatch, node, go_on, topic="/camera/depth"):
     use_params(monkeypatch, {})
-    monkeypatch.setattr(depth_input, "remapped", lambda name: f"/camera/{name}")
-    pairs = []
-    made = depth_input.DepthInput(Node(), lambda *pair: pairs.append(pair), "nothing is done")
-    return made, pairs
+    monkeypatch.setattr(depth_input, "remapped", lambda _: topic)
+    return depth_input.DepthInput(node, go_on, "nothing is done")
 
 
 @pytest.mark.parametrize("is_rectified", [False, True])
-def test_the_camera_of_rectified_depths_is_that_of_rectified_images(input_and_pairs, is_rectified):
-    depths, pairs = input_and_pairs
+def test_the_camera_of_rectified_depths_is_that_of_rectified_images(monkeypatch, is_rectified):
+    pairs = []
+    depths = input_of(monkeypatch, Node(), lambda *pair: pairs.append(pair))
     depths.set_rectified(is_rectified)
     bent = CameraInfo(width=SIZE[0], height=SIZE[1], distortion_model="plumb_bob")
     bent.K, bent.D = [60.0, 0.0, 32.0, 0.0, 60.0, 24.0, 0.0, 0.0, 1.0], [0.1, 0.0, 0.0, 0.0, 0.0]
     bent.P = [50.0, 0.0, 30.0, 0.0, 0.0, 50.0, 20.0, 0.0, 0.0, 0.0, 1.0, 0.0]
     depths._on_info(bent)
-    header = Header(stamp=rospy.Time(1.0), frame_id="camera")
-    image = Frame(np.zeros((*SIZE[::-1], 3), np.uint8), "bgr8", header)
-    depths.offer(image, SIZE)  # which does not wait, as no depth has come yet
-    depths._on_depth(Frame(np.ones(SIZE[::-1], np.float32), "32FC1", header))
-    depths.offer(image, SIZE)
+    depths.offer(IMAGE, SIZE)  # which does not wait, as no depth has come yet
+    depths._on_depth(DEPTH)
+    depths.offer(IMAGE, SIZE)
     depth = pairs[-1][1]
     expected = (50.0, []) if is_rectified else (60.0, [0.1, 0.0, 0.0, 0.0, 0.0])
     assert (depth.camera.K[0, 0], list(depth.camera.D)) == expected
 
 
 @pytest.mark.parametrize("names", [("/eye", "eye"), ("eye", "/eye"), ("", "eye")])
-def test_a_slash_before_the_name_of_a_frame_says_nothing(input_and_pairs, names):
-    depths, pairs = input_and_pairs
+def test_a_slash_before_the_name_of_a_frame_says_nothing(monkeypatch, names):
+    pairs = []
+    depths = input_of(monkeypatch, Node(), lambda *pair: pairs.append(pair))
     of_image, of_depth = (Header(stamp=rospy.Time(1.0), frame_id=name) for name in names)
     image = Frame(np.zeros((*SIZE[::-1], 3), np.uint8), "bgr8", of_image)
     depths.offer(image, SIZE)
     depths._on_depth(Frame(np.ones(SIZE[::-1], np.float32), "32FC1", of_depth))
     depths.offer(image, SIZE)
     assert pairs[-1][1].header is of_depth
-    other = Header(stamp=rospy.Time(1.0), frame_id="/other_eye")
-    if names[0]:
-        with pytest.raises(FrameError, match="its frame is '/other_eye', must be that of the im"):
-            depths._on_depth(Frame(np.ones(SIZE[::-1], np.float32), "32FC1", other))
+
+
+def test_the_first_depth_is_on_its_way_until_it_can_be_compared(monkeypatch):
+    node, begins = Node(), []
+    depths = input_of(monkeypatch, node, lambda *_: begins.append(depths.may_begin()))
+    assert depths.may_begin()
+    depths._on_depth(DEPTH)  # with no image yet
+    depths.offer(IMAGE, SIZE)
+    assert depths.may_begin()
+    node.lack = "no depth on /camera/depth for 3 s"
+    assert not depths.may_begin()
+    node.lack = ""
+    depths._on_depth(DEPTH)
+    depths.offer(IMAGE, SIZE)
+    assert not depths.may_begin() and begins == [True, False]
+    depths.clear()
+    assert depths.may_begin()
+    depths.offer(IMAGE, SIZE)
+    with pytest.raises(FrameError):
+        depths._on_depth(IMAGE)
+    assert not depths.may_begin()
+
+
+def test_without_a_topic_no_depth_is_on_its_way(monkeypatch):
+    assert not input_of(monkeypatch, Node(), None, topic="").may_begin()

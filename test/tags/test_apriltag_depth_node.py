@@ -200,6 +200,25 @@ def test_bundles_and_single_images_are_of_both(start):
     support.wait_for(is_answered_by_both, "the tags of an image and its depth")
 
 
+def test_the_first_frame_that_is_asked_for_is_of_both(start):
+    """No depth is there before the first image, which is not looked at for the call."""
+    detect, answers = rospy.ServiceProxy("/tag/detect", DetectTags), []
+
+    def is_answered_by_both():
+        """A new node, because an image whose depth gives way to the next one is looked at alone."""
+        studio = DepthStudio(start)
+        studio.tags.close()
+        studio.depth.wait_for(0)
+        call = threading.Thread(target=lambda: answers.append(detect("")))
+        call.start()
+        while call.is_alive():
+            studio.send_both(SCENERY, depth_of(FRONT))
+            call.join(0.1)
+        return answers[-1].success and is_fused(answers[-1].tags)
+
+    support.wait_for(is_answered_by_both, "the tags of an image and its depth")
+
+
 def test_depth_is_taken_only_with_the_images(start):
     studio = DepthStudio(start)
     studio.tags.close()

@@ -19,6 +19,7 @@ from .image_node import ImageNode
 from .params import read_param
 from .transport import Frame, FrameError, camera_info_beside, remapped
 
+START_TIMEOUT = 2.0  # s of work, until the first depth counts as missing
 INFO_TIMEOUT = 2.0  # s with depths, until camera_info that is needed counts as missing
 
 
@@ -67,6 +68,7 @@ class DepthInput:
         self._info: Optional[CameraInfo] = None
         self._rectified = False
         self._first: Optional[float] = None  # s of the monotonic clock, of the first depth
+        self._has_begun = False  # whether a depth could be compared with the images
         self._is_missing = False  # whether that was said
         self._missing, self._apart = Throttle(60.0), Throttle(10.0)
         transport = read_param("depth_image_transport", "auto")
@@ -93,9 +95,16 @@ class DepthInput:
         for pair in ready:
             self._go_on(*pair)
 
+    def may_begin(self) -> bool:
+        """Returns whether images go on alone only because the first depth is still on its way."""
+        if not self.topic or self._has_begun:
+            return False
+        return not self._node.missing(START_TIMEOUT, only="depth")
+
     def clear(self) -> None:
         """Forgets the images that wait."""
         self._pairs.clear()
+        self._has_begun = False
         self._of_images = self._info = self._first = None
 
     def _on_info(self, info: CameraInfo) -> None:
@@ -110,6 +119,7 @@ class DepthInput:
         waits = self._info is None and frame.image.shape[1::-1] != size
         if waits and now - self._first < INFO_TIMEOUT:
             return
+        self._has_begun = True
         depth = self._usable(frame, frame_id, size)
         if self._is_missing:
             self._is_missing = False

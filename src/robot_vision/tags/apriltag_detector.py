@@ -107,7 +107,8 @@ class ApriltagDetector:
 
     def _process(self, sighting: Sighting, depth: Optional[DepthFrame]) -> None:
         frame, gray, found = sighting
-        self._service.offer(frame, depth)
+        if depth is not None or not self._depth.may_begin():
+            self._service.offer(frame, depth)
         size = frame.image.shape[1::-1]
         camera = self._calibration.camera(size)
         with self._lock:

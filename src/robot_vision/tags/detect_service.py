@@ -20,7 +20,7 @@ from ..ros.transport import Frame
 from ..srv import DetectTags, DetectTagsResponse
 
 TIMEOUT = 5.0  # s that a call waits for a frame
-CALIBRATION_TIMEOUT = 1.0  # s that a call for a file waits for camera_info
+CALIBRATION_TIMEOUT = 2.0  # s that a call waits for camera_info once it has an image
 
 # Searches an image of an encoding, with its depth if there is one; returns the tags, and the reason
 # if they have no poses.
@@ -50,7 +50,7 @@ class DetectService:
     def _on_detect(self, request: Any) -> DetectTagsResponse:
         try:
             with self._calls.working():
-                seen = None if request.file else self._calls.wait(TIMEOUT)
+                seen = None if request.file else self._next_frame()
                 # In this thread, so that frames go on meanwhile.
                 with self._searching:
                     tags, problem = self._detect(*(seen or self._of_file(request.file)))
@@ -59,6 +59,11 @@ class DetectService:
             rospy.logerr("no tags detected: %s", reason)
             return DetectTagsResponse(False, reason, TagDetectionArray())
         return DetectTagsResponse(True, problem, tags)
+
+    def _next_frame(self) -> Tuple[np.ndarray, str, Header, Optional[DepthFrame]]:
+        seen = self._calls.wait(TIMEOUT)
+        self._calibration.wait(CALIBRATION_TIMEOUT)  # which may come after the first frame
+        return seen
 
     def _of_file(self, path: str) -> Tuple[np.ndarray, str, Header, None]:
         if not os.path.isabs(path):  # A node and its caller run in different folders.
