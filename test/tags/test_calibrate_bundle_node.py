@@ -159,6 +159,17 @@ def test_live(start, images, tmp_path):
     assert_learnt(path, master=5)
 
 
+def test_of_several_calibrations_none_is_taken_unless_told(start, images, tmp_path):
+    """A detector with depth subscribes to the camera_info of both, and either may sort first."""
+    studio = Studio(start, "depth:=/depth/image", info=calibrated())
+    process = start("calibrate_bundle.py", *command(tmp_path / "box.yaml"), "tags:=/tag/tags")
+    topics = f"/depth/camera_info, {studio.infos.topic}"
+    reason = f"the topic of the calibration is one of {topics}: say camera_info:=/usb_cam/camera_in"
+    support.wait_for(lambda: studio.show(images[0]) and reason in process.output(), reason)
+    process.interrupt()
+    assert process.exit_code() == 1 and "of 300 frames" not in process.output()
+
+
 def detection(tag, corners, family="tag36h11", **values):
     return TagDetection(
         family=family, id=tag, corners=[Point(x, y, 0.0) for x, y in corners], **values

@@ -1,7 +1,7 @@
 """Records the tags that a running detector publishes, for calibrate_bundle.py."""
 
 import threading
-from typing import Any, Optional, Tuple
+from typing import Any, List, Optional, Tuple
 
 import numpy as np
 import rosgraph
@@ -22,7 +22,8 @@ class BundleRecorder:
     """Offers the messages on the topic `tags` to a collection.
 
     The camera_info is expected on the topic camera_info if that name is remapped, and otherwise
-    where the node that publishes the tags subscribes to it. Frames of another size than the
+    where the node that publishes the tags subscribes to it, unless that node has several, as of a
+    depth camera, or of other nodes in its process. Frames of another size than the
     camera_info's are left out. So are frames after a change of the camera_info, because another
     lens would have taken them.
     """
@@ -39,6 +40,7 @@ class BundleRecorder:
         self._arrived = False
         self._topic = rospy.resolve_name("tags")
         self._info_topic = ""
+        self._candidates: List[str] = []  # to which the detector subscribes
         tags = rospy.Subscriber(self._topic, TagDetectionArray, self._on_tags, queue_size=10)
         self._subscribers = [tags]
 
@@ -65,25 +67,30 @@ class BundleRecorder:
         return self._camera
 
     def _subscribe_to_camera_info(self) -> None:
-        self._info_topic = remapped_camera_info() or self._camera_info_of_publisher()
+        self._info_topic = remapped_camera_info()
+        if not self._info_topic and self._arrived:  # Before, the detector may still subscribe.
+            self._candidates = self._camera_infos_of_publisher()
+            if len(self._candidates) == 1:
+                self._info_topic = self._candidates[0]
         if self._info_topic:
             self._subscribers.append(
                 rospy.Subscriber(self._info_topic, CameraInfo, self._on_info, queue_size=1)
             )
 
-    def _camera_info_of_publisher(self) -> str:
-        """Returns the topic, or "" as long as the detector does not subscribe to one."""
+    def _camera_infos_of_publisher(self) -> List[str]:
+        """Returns the topics of camera_info to which the detector subscribes now."""
         master = rosgraph.Master(rospy.get_name())
         try:
             publishers, subscribers, _ = master.getSystemState()
             kinds = dict(master.getTopicTypes())
         except (OSError, rosgraph.MasterException):  # This is called again in a moment.
-            return ""
+            return []
         nodes = {node for topic, nodes in publishers if topic == self._topic for node in nodes}
-        for topic, listeners in sorted(subscribers):
-            if kinds.get(topic) == CameraInfo._type and nodes.intersection(listeners):
-                return topic
-        return ""
+        return sorted(
+            topic
+            for topic, listeners in subscribers
+            if kinds.get(topic) == CameraInfo._type and nodes.intersection(listeners)
+        )
 
     def _on_info(self, info: CameraInfo) -> None:
         self._info = info
@@ -133,7 +140,6 @@ class BundleRecorder:
             )
             return f"no tags came on {self._topic}{nobody}"
         if not self._info_topic:
-            return (
-                "the topic of the calibration is not known: say camera_info:=/usb_cam/camera_info"
-            )
+            known = "one of " + ", ".join(self._candidates) if self._candidates else "not known"
+            return f"the topic of the calibration is {known}: say camera_info:=/usb_cam/camera_info"
         return self._collection.problem or f"no camera_info came on {self._info_topic}"
