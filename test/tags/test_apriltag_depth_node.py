@@ -334,7 +334,8 @@ def test_stamps_that_never_meet_are_told(start):
 
 
 def test_a_depth_camera_that_is_silent_is_told_once(start):
-    studio = DepthStudio(start)
+    studio = DepthStudio(start, "_diagnostic_period:=0.01")
+    diagnostics = support.Messages("/diagnostics", DiagnosticArray)
     assert not is_fused(studio.show_both_until(has_pose, SCENERY, None))
     said = rf"no depth on {studio.depth_topic} for \d+ s: poses of tags are from the corners alone"
 
@@ -346,6 +347,8 @@ def test_a_depth_camera_that_is_silent_is_told_once(start):
     for _ in range(5):
         studio.show(SCENERY)
     assert studio.process.output().count("no depth on ") == 1
+    warnings = support.wait_for(lambda: statuses(diagnostics, DiagnosticStatus.WARN), "the status")
+    assert warnings[-1].message.startswith(f"no depth on {studio.depth_topic} for ")
     studio.show_both_until(is_fused, SCENERY, GOOD)
 
 
@@ -379,15 +382,17 @@ def test_tags_of_the_scene_by_a_registered_kinect(start):
     assert tilt < 1.2 * tilt_alone, (tilt, tilt_alone)
 
 
+def statuses(diagnostics, level):
+    """All of the depth with this level."""
+    every = (status for array in diagnostics.received for status in array.status)
+    return [one for one in every if one.name == "tag: depth" and one.level == level]
+
+
 def test_a_sensor_that_is_off_is_on_diagnostics(start):
     studio = DepthStudio(
         start, "_diagnostic_period:=0.01", "_depth_bias:=0.05", "_max_search_period:=0"
     )
     diagnostics = support.Messages("/diagnostics", DiagnosticArray)
-
-    def statuses(level):
-        every = (status for array in diagnostics.received for status in array.status)
-        return [one for one in every if one.name == "tag: depth" and one.level == level]
 
     distances = itertools.cycle([1.0, 1.4, 1.8, 2.2])
 
@@ -395,7 +400,8 @@ def test_a_sensor_that_is_off_is_on_diagnostics(start):
         pose = facing(0.05, -0.05, next(distances), (0.3, 0.2, 0.1))
         image = noisy_image(pose, np.random.default_rng(0))
         studio.send_both(image, 1.03 * depth_of(pose) + np.float32(0.02))
-        return [one for one in statuses(DiagnosticStatus.WARN) if "off by" in one.message]
+        warnings = statuses(diagnostics, DiagnosticStatus.WARN)
+        return [one for one in warnings if "off by" in one.message]
 
     status = support.wait_for(warned, "the warning")[-1]
     found = {value.key: value.value for value in status.values}

@@ -5,6 +5,7 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 
 import robot_vision as rv
+from robot_vision.tags import depth_report
 from robot_vision.tags.depth_check import MIN_PLANES, DepthCheck
 from robot_vision.tags.depth_errors import DepthErrorEstimate
 from robot_vision.tags.depth_report import misfit, summary, values
@@ -176,6 +177,66 @@ def test_a_tag_at_rest_counts_once(exact):
     check.clear()
     assert len(check.estimate) == 0 and check.left_out() == (0, 0)
     assert summary(check, "/depth", 0.03)[1] == "no tag was seen with depth on /depth"
+
+
+def test_with_other_parameters_of_depths_all_is_compared_anew(exact):
+    check, other = DepthCheck(), rv.DepthErrorParams()
+    assert check.add(exact.tags, exact.camera, exact.params, exact.errors) == len(exact.tags)
+    assert check.add([], exact.camera, exact.params, rv.DepthErrorParams()) == 0
+    assert len(check.estimate) == len(exact.tags)
+    other.depth_bias += 0.01
+    assert check.add([], exact.camera, exact.params, other) == 0
+    assert len(check.estimate) == 0 and check.left_out() == (0, 0)
+
+
+class Node:
+    """What a DepthReport uses of an ImageNode."""
+
+    lack = ""
+
+    def on_idle(self, release):
+        self.end_work = release
+
+    def missing(self, only):
+        assert only == "depth"
+        return self.lack
+
+
+class Status:
+    """A StatusTopic whose status is always due."""
+
+    def __init__(self, _):
+        pass
+
+    def publish(self, status):
+        self.level, self.text, self.values = status()
+
+
+def test_a_status_tells_what_is_missing_and_how_old_it_is(monkeypatch, exact):
+    now = [100.0]
+    monkeypatch.setattr(depth_report, "StatusTopic", Status)
+    monkeypatch.setattr(depth_report.time, "monotonic", lambda: now[0])
+    node = Node()
+    report = depth_report.DepthReport(node, "/depth")
+
+    def told(seconds):
+        now[0] += seconds
+        report.add([], exact.camera, exact.params, exact.errors)
+        report.publish()
+        return report._status.level, report._status.text
+
+    nothing = DiagnosticStatus.OK, "no tag was seen with depth on /depth"
+    assert told(200.0) == nothing
+    report.add(exact.tags, exact.camera, exact.params, exact.errors)
+    level, text = told(4.9)
+    assert level == DiagnosticStatus.OK and text.startswith("depths fit the tags: scale ")
+    assert told(25.1) == (level, f"{text}; no tag was seen with depth for 30 s")
+    node.lack = "no depth on /depth for 30 s"
+    assert told(0.0) == (DiagnosticStatus.WARN, node.lack)
+    assert report._status.values["tags compared"] == str(len(exact.tags))
+    node.lack = ""
+    node.end_work()
+    assert told(0.0) == nothing
 
 
 @pytest.mark.parametrize(

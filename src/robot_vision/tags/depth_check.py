@@ -37,6 +37,7 @@ class DepthCheck:
     def __init__(self) -> None:
         self.estimate = DepthErrorEstimate()
         self._camera: Optional[CameraModel] = None
+        self._depth_noise: Optional[DepthErrorParams] = None
         self._last: Dict[TagKey, np.ndarray] = {}  # corners when a tag was compared
         self._used: Deque[bool] = collections.deque(maxlen=PLANES)
 
@@ -46,27 +47,33 @@ class DepthCheck:
         camera: CameraModel,
         noise: TagPoseParams,
         depth_noise: DepthErrorParams,
-    ) -> None:
+    ) -> int:
         """Adds the tags of a frame, those that a depth image has shown.
 
         Args:
             tags: The tags, as a TagLocator has located them.
             camera: Their camera; with another object all is forgotten.
             noise: That of their corners.
-            depth_noise: That of their depths.
+            depth_noise: That of their depths; with other values all is forgotten.
+
+        Returns:
+            How many tags a depth image has shown.
         """
-        if camera is not self._camera:
+        if camera is not self._camera or depth_noise != self._depth_noise:
             self.clear()
-            self._camera = camera
+            self._camera, self._depth_noise = camera, depth_noise
+        shown = 0
         for tag in tags:
             corners = tag.corners
             if tag.poses is None or not isinstance(corners, MeasuredCorners):
                 continue
             if corners.plane is None:
                 continue
+            shown += 1
             self._used.append(tag.poses.planes > 0)
             if tag.unique and self._has_moved(key_of(tag.tag), corners.corners):
                 self._compare(tag, corners, camera, noise, depth_noise)
+        return shown
 
     def left_out(self) -> Tuple[int, int]:
         """Returns how many of the newest planes do not fit the corners, and how many there are."""
@@ -82,7 +89,7 @@ class DepthCheck:
         self.estimate.clear()
         self._last.clear()
         self._used.clear()
-        self._camera = None
+        self._camera = self._depth_noise = None
 
     def _has_moved(self, key: TagKey, corners: np.ndarray) -> bool:
         last = self._last.get(key)

@@ -1,5 +1,6 @@
 """What the node says of a depth camera: on /diagnostics, and in the log if it does not fit."""
 
+import time
 from typing import Dict, Iterable, Tuple
 
 import rospy
@@ -7,17 +8,22 @@ from diagnostic_msgs.msg import DiagnosticStatus
 
 from .. import CameraModel, DepthErrorParams, TagPoseParams
 from ..common.throttle import Throttle
+from ..ros.image_node import ImageNode
 from ..ros.status_topic import StatusTopic
 from .depth_check import DepthCheck
 from .tag_poses import LocatedTag
 
+SILENCE = 5.0  # s without a tag that a depth image shows, from which on they are told
 WRONG_UNIT = 1.5  # times too large, or too small, from which on that is what is said
 
 
 class DepthReport:
     """Publishes what a DepthCheck says, once in ~diagnostic_period while the node works.
 
+    What was compared before the node was idle is forgotten.
+
     Args:
+        node: The node.
         topic: The topic of the depth images; without one, nothing is published.
 
     Attributes:
@@ -27,12 +33,15 @@ class DepthReport:
         ValueError: ~diagnostic_period is out of range.
     """
 
-    def __init__(self, topic: str):
+    def __init__(self, node: ImageNode, topic: str):
         self.max_error = 0.0
+        self._node = node
         self._topic = topic
         self._check = DepthCheck()
+        self._last_shown = 0.0  # s of the monotonic clock, when a depth image has shown a tag
         self._warnings = Throttle(10.0)
         self._status = StatusTopic("depth")
+        node.on_idle(self._check.clear)
 
     def add(
         self,
@@ -42,16 +51,25 @@ class DepthReport:
         depth_noise: DepthErrorParams,
     ) -> None:
         """Adds the tags of a frame with depth, as DepthCheck does."""
-        self._check.add(tags, camera, noise, depth_noise)
+        if self._check.add(tags, camera, noise, depth_noise):
+            self._last_shown = time.monotonic()
         if self._check.rejects() and self._warnings.due():
             rospy.logwarn("%s", misfit(self._check, self._topic))
 
     def publish(self) -> None:
         """Publishes the status if it is due."""
         if self._topic:
-            self._status.publish(
-                lambda: (*summary(self._check, self._topic, self.max_error), values(self._check))
-            )
+            self._status.publish(lambda: (*self._summary(), values(self._check)))
+
+    def _summary(self) -> Tuple[int, str]:
+        missing = self._node.missing(only="depth")
+        if missing:
+            return DiagnosticStatus.WARN, missing
+        level, text = summary(self._check, self._topic, self.max_error)
+        silent = time.monotonic() - self._last_shown
+        if self._check.left_out()[1] and silent >= SILENCE:
+            text += f"; no tag was seen with depth for {silent:.0f} s"
+        return level, text
 
 
 def summary(check: DepthCheck, topic: str, max_error: float) -> Tuple[int, str]:
