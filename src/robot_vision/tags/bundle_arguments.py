@@ -6,8 +6,10 @@ from typing import Dict, List, Optional, Sequence, Tuple
 from .. import tag_family
 from ..common.arguments import command_parser, number_within, parse_completely
 from ..common.errors import about
+from ..common.plain_text import NAME, brief, is_name
 from .bundle_files import MAX_TAG_SIZE
 from .tag_ids import parse_ids
+from .tag_layout import TagLayout
 
 EXAMPLES = """examples, with a running apriltag_detector and from a bag:
   calibrate_bundle.py --name box --ids 0-5 --size 0.1 --output box.yaml \\
@@ -65,14 +67,22 @@ def _complete(arguments: argparse.Namespace) -> None:
     arguments.master = ids[0] if arguments.master is None else arguments.master
     if arguments.master not in ids:
         raise ValueError(f"argument --master: tag {arguments.master} is not one of --ids")
-    if not arguments.name:
-        raise ValueError("argument --name: is empty")
+    with about("argument --name"):
+        _require_name(arguments.name, arguments.family, arguments.sizes)
     if bool(arguments.bag) != bool(arguments.image) or (
         arguments.camera_info and not arguments.bag
     ):
         raise ValueError(
             "--bag needs --image, and only with it there are --image and --camera-info"
         )
+
+
+def _require_name(name: str, family: str, sizes: Dict[int, float]) -> None:
+    """Raises ValueError for a name with which no detector would take the bundle."""
+    if not is_name(name):
+        raise ValueError(f"is {brief(name)}, must be {NAME}")
+    layout = [{"id": tag, "size": size} for tag, size in sizes.items()]
+    TagLayout(family, tag_size=1.0, tag_bundles=[{"name": name, "layout": layout}])
 
 
 def _ids_of(text: str, family: str) -> List[int]:
