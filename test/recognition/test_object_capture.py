@@ -149,6 +149,38 @@ def assert_closed(mesh):
     assert np.array_equal(there, back) and np.array_equal(counts, back_counts)
 
 
+PAD = np.array([0.16, 0.16, 0.015])  # m, what the object stands on
+
+
+def on_a_pad():
+    parts = box(PAD, 4), standing_box()
+    heights = PAD[2] / 2.0, PAD[2]
+    first = [0, len(parts[0].vertices)]
+    return Mesh(
+        np.concatenate(
+            [part.vertices + np.float32([0, 0, up]) for part, up in zip(parts, heights)]
+        ),
+        np.concatenate([part.triangles + offset for part, offset in zip(parts, first)]),
+        texture_coordinates=np.concatenate([part.texture_coordinates for part in parts]),
+        textures=[*parts[0].textures, *parts[1].textures],
+        triangle_textures=np.concatenate(
+            [parts[0].triangle_textures, parts[1].triangle_textures + len(parts[0].textures)]
+        ),
+    )
+
+
+def test_what_is_below_the_floor_is_no_part_of_the_mesh(run, path, plate, tmp_path):
+    """Depths show the pad around the object within the volume of the mesh."""
+    frames = turntable.Turntable(on_a_pad()).turn(4)
+    folder = turntable.write_frames(tmp_path / "frames", frames)
+    words = ("thing", plate, "--folder", folder, "--views", 4, "--floor", 0.02, "--commit")
+    assert run(object_capture, *words)[0] == 0
+    vertices = mesh_in(path).vertices @ turntable.plate_frame()[:3, :3].T
+    low = vertices[vertices[:, 2] < PAD[2]]
+    away = np.abs(low[:, :2]) - SIZE[:2] / 2.0
+    assert len(low) > 500 and np.quantile(away.max(axis=1), 0.99) < 0.003
+
+
 def ork_file(tmp_path):
     file = tmp_path / "training.ork"
     file.write_text("pipeline1: {type: TodTrainer, object_ids: all}")

@@ -17,7 +17,6 @@ MAX_VIEWS = 120  # that are used of an object, those that are spread best
 CELLS = 100  # voxels along the longest side
 MIN_VOXEL = 0.0015  # m; what is smaller is less than depth cameras tell
 MARGIN = 4  # voxels around the object
-FLOOR = 0.005  # m above the plate, below which depths may be the plate's
 
 
 def wants_mesh(database: Database, one: Object) -> bool:
@@ -26,10 +25,15 @@ def wants_mesh(database: Database, one: Object) -> bool:
     return entry is None or entry.file_name == CAPTURED
 
 
-def make_mesh(database: Database, one: Object) -> str:
+def make_mesh(database: Database, one: Object, floor: float) -> str:
     """Makes a mesh of an object's observations, stores it, and returns what there is to say.
 
     A mesh that somebody has given the object meanwhile stays.
+
+    Args:
+        database: The database.
+        one: The object.
+        floor: m above the plate, below which depths may be the plate's.
 
     Raises:
         OSError: The database cannot be written.
@@ -38,7 +42,7 @@ def make_mesh(database: Database, one: Object) -> str:
     source = ObservationSource(database, one.id)
     chosen = source.spread(MAX_VIEWS)
     with about(f"'{one.name}'"):
-        mesh = _mesh_of(source, chosen)
+        mesh = _mesh_of(source, chosen, floor)
     size = np.asarray(mesh_extent(mesh).size)
     stored = Mesh(CAPTURED, ply_of(mesh), pack_mesh(mesh))
     with database.transaction():
@@ -49,12 +53,12 @@ def make_mesh(database: Database, one: Object) -> str:
     return f"a mesh of {sides} mm, of {len(mesh.triangles)} triangles, by {len(chosen)} views"
 
 
-def _mesh_of(source: ObservationSource, chosen: List[str]) -> object:
+def _mesh_of(source: ObservationSource, chosen: List[str], floor: float) -> object:
     center, size = extent_of(source.of(one) for one in chosen)
     voxel = max(float(size.max()) / CELLS, MIN_VOXEL)
     low, high = (center + sign * size / 2.0 + sign * MARGIN * voxel for sign in (-1.0, 1.0))
     low[2] = 0.0  # It stands on the plate.
-    volume = DepthVolume(low, high, voxel, FLOOR)
+    volume = DepthVolume(low, high, voxel, floor)
     for number in chosen:
         seen: Seen = seen_by(source.of(number))
         volume.add(seen.image, seen.depth, seen.mask, seen.camera, seen.pose)

@@ -55,7 +55,7 @@ def capture(arguments: argparse.Namespace) -> None:
         if not arguments.commit:
             print(COMMIT)
         elif not arguments.no_mesh and wants_mesh(database, one):
-            print(make_mesh(database, one), flush=True)
+            print(make_mesh(database, one, arguments.floor), flush=True)
 
 
 def _require_room(database: Database, one: Object, arguments: argparse.Namespace) -> None:
