@@ -274,6 +274,18 @@ def test_a_mesh_that_somebody_gave_stays(run, path, folder, plate, tmp_path, mon
     assert np.allclose(mesh_extent(mesh_in(path)).size, SIZE, atol=1e-6)
 
 
+@pytest.mark.parametrize(
+    "words, where",
+    [
+        ((), "the middle of the tags"),
+        (("--center", 0.1, -0.02), "x 0.1 and y -0.02 m"),
+    ],
+)
+def test_where_the_object_has_to_stand_is_told(run, plate, words, where):
+    _, out, _ = run(object_capture, "thing", plate, "--folder", "/none", "--radius", 0.05, *words)
+    assert out == f"'thing' is what stands within 50 mm of {where} of 'plate'\n"
+
+
 def test_a_trial_stores_nothing(run, path, folder, plate):
     code, out, err = run(object_capture, "thing", plate, "--folder", folder, "--views", 4)
     assert (code, err) == (0, "")

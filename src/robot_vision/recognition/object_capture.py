@@ -2,7 +2,7 @@
 
 import argparse
 import sys
-from typing import Iterator, Optional
+from typing import Iterator, Optional, Sequence
 
 import rospy
 
@@ -44,7 +44,7 @@ def capture(arguments: argparse.Namespace) -> None:
     with open_database(arguments, write=arguments.commit) as database:
         one = database.objects.find(arguments.object)
         _require_room(database, one, arguments)
-        print(_introduction(one, plate), flush=True)
+        print(_introduction(one, plate, arguments.center), flush=True)
         run = _run(database, one, plate, arguments)
         try:
             run.take(_shots(arguments))
@@ -68,10 +68,11 @@ def _require_room(database: Database, one: Object, arguments: argparse.Namespace
         )
 
 
-def _introduction(one: Object, plate: Plate) -> str:
+def _introduction(one: Object, plate: Plate, center: Optional[Sequence[float]]) -> str:
+    where = f"x {center[0]:g} and y {center[1]:g} m" if center else "the middle of the tags"
     return (
-        f"'{one.name}' is what stands within {1000.0 * plate.radius:.0f} mm of the middle of the "
-        f"tags of '{printable(plate.tags.bundle.name)}'"
+        f"'{one.name}' is what stands within {1000.0 * plate.radius:.0f} mm of {where} of "
+        f"'{printable(plate.tags.bundle.name)}'"
     )
 
 
