@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <memory>
@@ -44,6 +45,13 @@ protected:
       changed_.notify_all();
     }
     return frames_->take(frame_);
+  }
+
+  /// Has the next frames be such that they cannot be decoded.
+  void fail()
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    number_ = 0;
   }
 
   void end(bool broken = false)
@@ -104,14 +112,65 @@ TEST_F(LiveFramesTest, areTheNextOnesForAReaderThatIsTooSlow)
 {
   ASSERT_TRUE(take(10));
   EXPECT_EQ(frame_.sequence, 0);
+  send(3);  // The first one may be of a burst, and so may the second, which is newer.
+  int retrieved = 3;
   for (const int number : {11, 12})
   {
-    send(3);
     ASSERT_TRUE(take(number));
     EXPECT_EQ(frame_.image.at<cv::Vec3b>(1, 2), cv::Vec3b::all(number));
     EXPECT_EQ(frame_.sequence, grabbed_ - 1);
+    EXPECT_EQ(retrieved_, ++retrieved);  // no image is made of what is left out
+    send(3);
   }
-  EXPECT_EQ(retrieved_, 3);  // no image is made of what nobody waits for
+}
+
+TEST_F(LiveFramesTest, ofABurstAreKept)
+{
+  ASSERT_TRUE(take(10));
+  send(1);
+  const std::int64_t arrival = grabbed_ns_;
+  cv::Mat lent = frame_.image;
+  ASSERT_TRUE(frames_->take(frame_));
+  EXPECT_EQ(frame_.sequence, 1);
+  EXPECT_GE(frame_.monotonic_ns, arrival);
+  EXPECT_NE(frame_.image.data, lent.data);  // whose owner may have other plans with it
+  send(2);
+  ASSERT_TRUE(frames_->take(frame_));
+  EXPECT_EQ(frame_.sequence, 3);  // the newer one
+}
+
+TEST_F(LiveFramesTest, areKeptAgainOnceTheReaderIsFastEnough)
+{
+  ASSERT_TRUE(take(10));
+  send(3);
+  bool kept = false;
+  for (int ms = 1; !kept; ms *= 2)  // until the reader waits before a frame arrives
+  {
+    ASSERT_TRUE(take(11));
+    std::thread sender(
+        [this, ms]
+        {
+          std::this_thread::sleep_for(std::chrono::milliseconds(ms));
+          send(1);
+        });
+    EXPECT_TRUE(frames_->take(frame_));
+    sender.join();
+    const int retrieved = retrieved_;
+    send(1);
+    kept = retrieved_ > retrieved;
+  }
+  ASSERT_TRUE(frames_->take(frame_));
+  EXPECT_EQ(frame_.sequence, grabbed_ - 1);
+}
+
+TEST_F(LiveFramesTest, thatAreDamagedAreToldWhenTheReaderAsksForTheNext)
+{
+  ASSERT_TRUE(take(10));
+  fail();
+  send(1);
+  EXPECT_EQ(refusal<std::invalid_argument>([this] { frames_->take(frame_); }), "a frame cannot be decoded");
+  ASSERT_TRUE(take(11));
+  EXPECT_EQ(frame_.sequence, 1);
 }
 
 TEST_F(LiveFramesTest, haveTheTimeOfTheirArrival)

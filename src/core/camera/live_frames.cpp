@@ -24,11 +24,19 @@ LiveFrames::~LiveFrames()
 bool LiveFrames::take(Frame& frame)
 {
   std::unique_lock<std::mutex> lock(mutex_);
-  awaited_ = &frame;
-  if (!thread_.joinable()) thread_ = std::thread(&LiveFrames::run, this);
-  changed_.wait(lock, [this] { return awaited_ == nullptr || ended_; });
+  if (!kept_ && damage_.empty())
+  {
+    awaited_ = &frame;
+    if (!thread_.joinable()) thread_ = std::thread(&LiveFrames::run, this);
+    changed_.wait(lock, [this] { return awaited_ == nullptr || ended_; });
+  }
   if (!damage_.empty()) throw std::invalid_argument(std::exchange(damage_, ""));
-  return awaited_ == nullptr;
+  if (!kept_) return awaited_ == nullptr;
+  frame.image = kept_->image;
+  frame.sequence = kept_->sequence;
+  frame.monotonic_ns = kept_->monotonic_ns;
+  kept_.reset();
+  return true;
 }
 
 void LiveFrames::run()
@@ -50,26 +58,54 @@ void LiveFrames::run()
 
 void LiveFrames::readAll()
 {
-  std::int64_t sequence = 0;
   while (grab_())
   {
     const std::int64_t arrival = monotonicNow();
     const std::lock_guard<std::mutex> lock(mutex_);
     if (stop_) return;
-    const bool skipped = awaited_ == nullptr;
-    if (skipped || give(sequence, arrival)) ++sequence;
+    if (awaited_ != nullptr)
+      give(arrival);
+    else if (behind_)
+      leaveOut();
+    else
+      keep(arrival);
   }
 }
 
-/// Gives the reader who waits the frame that was grabbed last; false if it is damaged, which the reader is told.
-bool LiveFrames::give(std::int64_t sequence, std::int64_t arrival)
+void LiveFrames::give(std::int64_t arrival)
 {
-  damage_ = retrieveInto(awaited_->image);
-  awaited_->sequence = sequence;
-  awaited_->monotonic_ns = arrival;
+  behind_ = behind_ && std::exchange(left_out_, false);
+  makeImage(*awaited_, arrival);
   awaited_ = nullptr;
   changed_.notify_all();
-  return damage_.empty();
+}
+
+void LiveFrames::keep(std::int64_t arrival)
+{
+  behind_ = kept_.has_value();
+  kept_.emplace();
+  if (!makeImage(*kept_, arrival)) kept_.reset();
+}
+
+void LiveFrames::leaveOut()
+{
+  left_out_ = true;
+  kept_.reset();
+  ++sequence_;
+}
+
+/// Makes the frame that was grabbed last; false if it is damaged, which the reader is told.
+bool LiveFrames::makeImage(Frame& frame, std::int64_t arrival)
+{
+  const std::string damage = retrieveInto(frame.image);
+  if (!damage.empty())
+  {
+    damage_ = damage;
+    return false;
+  }
+  frame.monotonic_ns = arrival;
+  frame.sequence = sequence_++;
+  return true;
 }
 
 std::string LiveFrames::retrieveInto(cv::Mat& image)
