@@ -71,7 +71,7 @@ int maxUniquenessRatio(const StereoParams& p)
 {
   const int max_of_pixel = 2 * (std::max(p.prefilter_cap, kMinCap) | 1) + kMaxGrayCost;
   const int max_cost = max_of_pixel * p.block_size * p.block_size + costOf(p.p2, kLargeStep, p.block_size);
-  return static_cast<int>(100.0 * (1.0 - max_cost / kMaxCost));
+  return std::max(0, static_cast<int>(100.0 * (1.0 - max_cost / kMaxCost)));
 }
 
 /// What both images are widened by, px.
