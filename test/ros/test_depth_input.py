@@ -8,7 +8,7 @@ from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 
 from robot_vision.ros import depth_input
-from robot_vision.ros.transport import Frame, FrameError
+from robot_vision.ros.transport import KEPT, Frame, FrameError
 
 SIZE = (64, 48)
 HEADER = Header(stamp=rospy.Time(1.0), frame_id="camera")
@@ -25,12 +25,18 @@ class Node:
         pass
 
     subscriber = image_subscriber
-
     lack = ""
+
+    def __init__(self):
+        self.went_on = []  # the frames that were kept, when the work on them was done
 
     def missing(self, *_, only):
         assert only == "depth"
         return self.lack
+
+    def go_on(self, frame, work):
+        work()
+        self.went_on.append(frame)
 
 
 def input_of(monkeypatch, node, go_on, topic="/camera/depth"):
@@ -48,9 +54,9 @@ def test_the_camera_of_rectified_depths_is_that_of_rectified_images(monkeypatch,
     bent.K, bent.D = [60.0, 0.0, 32.0, 0.0, 60.0, 24.0, 0.0, 0.0, 1.0], [0.1, 0.0, 0.0, 0.0, 0.0]
     bent.P = [50.0, 0.0, 30.0, 0.0, 0.0, 50.0, 20.0, 0.0, 0.0, 0.0, 1.0, 0.0]
     depths._on_info(bent)
-    depths.offer(IMAGE, SIZE)  # which does not wait, as no depth has come yet
+    depths.offer(IMAGE, IMAGE)  # which does not wait, as no depth has come yet
     depths._on_depth(DEPTH)
-    depths.offer(IMAGE, SIZE)
+    depths.offer(IMAGE, IMAGE)
     depth = pairs[-1][1]
     expected = (50.0, []) if is_rectified else (60.0, [0.1, 0.0, 0.0, 0.0, 0.0])
     assert (depth.camera.K[0, 0], list(depth.camera.D)) == expected
@@ -62,9 +68,9 @@ def test_a_slash_before_the_name_of_a_frame_says_nothing(monkeypatch, names):
     depths = input_of(monkeypatch, Node(), lambda *pair: pairs.append(pair))
     of_image, of_depth = (Header(stamp=rospy.Time(1.0), frame_id=name) for name in names)
     image = Frame(np.zeros((*SIZE[::-1], 3), np.uint8), "bgr8", of_image)
-    depths.offer(image, SIZE)
+    depths.offer(image, image)
     depths._on_depth(Frame(np.ones(SIZE[::-1], np.float32), "32FC1", of_depth))
-    depths.offer(image, SIZE)
+    depths.offer(image, image)
     assert pairs[-1][1].header is of_depth
 
 
@@ -73,17 +79,17 @@ def test_the_first_depth_is_on_its_way_until_it_can_be_compared(monkeypatch):
     depths = input_of(monkeypatch, node, lambda *_: begins.append(depths.may_begin()))
     assert depths.may_begin()
     depths._on_depth(DEPTH)  # with no image yet
-    depths.offer(IMAGE, SIZE)
+    depths.offer(IMAGE, IMAGE)
     assert depths.may_begin()
     node.lack = "no depth on /camera/depth for 3 s"
     assert not depths.may_begin()
     node.lack = ""
     depths._on_depth(DEPTH)
-    depths.offer(IMAGE, SIZE)
+    depths.offer(IMAGE, IMAGE)
     assert not depths.may_begin() and begins == [True, False]
     depths.clear()
     assert depths.may_begin()
-    depths.offer(IMAGE, SIZE)
+    depths.offer(IMAGE, IMAGE)
     with pytest.raises(FrameError):
         depths._on_depth(IMAGE)
     assert not depths.may_begin()
@@ -91,3 +97,24 @@ def test_the_first_depth_is_on_its_way_until_it_can_be_compared(monkeypatch):
 
 def test_without_a_topic_no_depth_is_on_its_way(monkeypatch):
     assert not input_of(monkeypatch, Node(), None, topic="").may_begin()
+
+
+def at(seconds, of=IMAGE):
+    """A frame of another time."""
+    return Frame(of.image, of.encoding, Header(stamp=rospy.Time(seconds), frame_id="camera"))
+
+
+def test_an_image_is_kept_until_its_depth_has_come(monkeypatch):
+    node, pairs = Node(), []
+    depths = input_of(monkeypatch, node, lambda *pair: pairs.append(pair))
+    first, second = at(1.0), at(2.0)
+    assert depths.offer(first, "first") is not KEPT  # as there are no depths yet
+    depths._on_depth(at(1.0, DEPTH))
+    assert pairs == [("first", None)] and not node.went_on
+    assert depths.offer(second, "second") is KEPT
+    depths._on_depth(at(2.0, DEPTH))
+    assert node.went_on == [second]
+    assert [(image, depth and depth.header.stamp) for image, depth in pairs] == [
+        ("first", None),
+        ("second", rospy.Time(2.0)),
+    ]

@@ -21,7 +21,7 @@ from ..ros.live_params import LiveParams, filled
 from ..ros.params import read_prefix
 from ..ros.startup import run_node
 from ..ros.transform_output import TransformOutput
-from ..ros.transport import Frame, FrameError, ReportedFrameError, note_connections
+from ..ros.transport import KEPT, Frame, ReportedFrameError, note_connections
 from .depth_overlay import depth_colors, draw_places
 from .detection_places import detection_3d, located, misfit
 from .places import frame_ids, markers, transforms
@@ -65,7 +65,7 @@ class Detections3d:
             self._pairs.slop = config["slop"]
         note_connections()  # because /tf may start or stop to count
 
-    def _on_depth(self, depth: Frame) -> None:
+    def _on_depth(self, depth: Frame) -> Any:
         self._look.check(depth)
         missing = self._report_missing("detections")
         detections = self._pairs.message_of(depth)
@@ -76,14 +76,12 @@ class Detections3d:
                 self._calibration.refuse()
         if not detections and (missing or self._pairs.apart()):
             raise ReportedFrameError(missing or self._apart_text())
+        return None if detections else KEPT
 
     def _on_detections(self, detections: DetectionArray) -> None:
         depth = self._pairs.frame_of(detections)
         if depth:
-            try:
-                self._process(depth, detections)
-            except FrameError as error:
-                self._node.refuse(depth, error)
+            self._node.go_on(depth, lambda: self._process(depth, detections))
         elif not self._report_missing("depth") and self._pairs.apart() and self._apart.due():
             rospy.logwarn("no places of detections: %s", self._apart_text())
 

@@ -118,8 +118,8 @@ class ObjectRecognizer:
     def _on_reload(self, _request: Any) -> TriggerResponse:
         return TriggerResponse(*self._source.reload())
 
-    def _on_image(self, frame: Frame) -> None:
-        self._depth.offer(frame, frame.image.shape[1::-1])
+    def _on_image(self, frame: Frame) -> Any:
+        return self._depth.offer(frame, frame)
 
     def _process(self, frame: Frame, depth: Optional[DepthFrame]) -> None:
         try:

@@ -1,7 +1,8 @@
 """The depth images of a node that also works without, which belong to its images."""
 
+import functools
 import time
-from typing import Any, Callable, NamedTuple, Optional, Tuple
+from typing import Any, Callable, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 import rospy
@@ -17,7 +18,7 @@ from .depth_frames import DepthLook
 from .depth_pairs import DepthPairs
 from .image_node import ImageNode
 from .params import read_param
-from .transport import Frame, FrameError, camera_info_beside, remapped
+from .transport import KEPT, Frame, FrameError, camera_info_beside, remapped
 
 START_TIMEOUT = 2.0  # s of work, until the first depth counts as missing
 INFO_TIMEOUT = 2.0  # s with depths, until camera_info that is needed counts as missing
@@ -35,6 +36,17 @@ class DepthFrame(NamedTuple):
     header: Header
     image: np.ndarray
     camera: Optional[CameraModel]
+
+
+class _Waiting(NamedTuple):
+    """A frame that waits for its depth, and what goes on with it."""
+
+    frame: Frame
+    image: Any
+
+    @property
+    def header(self) -> Header:
+        return self.frame.header
 
 
 class DepthInput:
@@ -84,16 +96,22 @@ class DepthInput:
         """Sets whether depth images are rectified: see camera_model()."""
         self._rectified = rectified
 
-    def offer(self, image: Any, size: Tuple[int, int]) -> None:
-        """Takes the next image: anything with a header, and the size in px, (width, height)."""
+    def offer(self, frame: Frame, image: Any) -> Any:
+        """Takes the next image, by the callback of its frame, which is to return what this returns.
+
+        Args:
+            frame: The frame, which is kept if the image waits for its depth.
+            image: What goes on with a depth.
+        """
         if not self.topic:
-            self._go_on(image, None)
-            return
-        self._of_images = image.header.frame_id, size
-        ready = self._pairs.add_image(image, time.monotonic())
+            return self._go_on(image, None)
+        self._of_images = frame.header.frame_id, frame.image.shape[1::-1]
+        newest = _Waiting(frame, image)
+        ready = self._pairs.add_image(newest, time.monotonic())
         self._report()
-        for pair in ready:
-            self._go_on(*pair)
+        is_ready = bool(ready) and ready[-1][0] is newest
+        self._go_on_with(ready[:-1] if is_ready else ready)
+        return self._go_on(image, ready[-1][1]) if is_ready else KEPT
 
     def may_begin(self) -> bool:
         """Returns whether images go on alone only because the first depth is still on its way."""
@@ -124,8 +142,11 @@ class DepthInput:
         if self._is_missing:
             self._is_missing = False
             rospy.loginfo("depth from now on: %s", self.topic)
-        for pair in self._pairs.add_depth(depth, now):
-            self._go_on(*pair)
+        self._go_on_with(self._pairs.add_depth(depth, now))
+
+    def _go_on_with(self, ready: List[Tuple[_Waiting, Optional[DepthFrame]]]) -> None:
+        for (frame, image), depth in ready:
+            self._node.go_on(frame, functools.partial(self._go_on, image, depth))
 
     def _usable(self, frame: Frame, frame_id: str, size: Tuple[int, int]) -> DepthFrame:
         """Returns a depth image and its camera.

@@ -39,10 +39,6 @@ class Sighting(NamedTuple):
     gray: np.ndarray
     found: List[Tag]
 
-    @property
-    def header(self) -> Header:
-        return self.frame.header
-
 
 class ApriltagDetector:
     """Publishes ~tags, /tf, ~markers and ~processed_image (outlines, ids, axes and distances).
@@ -95,7 +91,7 @@ class ApriltagDetector:
         self._depth_report.max_error = config["max_depth_error"]
         note_connections()  # because /tf may start or stop to count
 
-    def _search(self, frame: Frame) -> None:
+    def _search(self, frame: Frame) -> Any:
         try:
             with self._lock:
                 gray = to_gray(frame.image, frame.encoding)
@@ -103,7 +99,7 @@ class ApriltagDetector:
         except (TypeError, ValueError) as error:
             self._service.offer(frame)  # which answers with the error
             raise FrameError(error) from None
-        self._depth.offer(Sighting(frame, gray, found), frame.image.shape[1::-1])
+        return self._depth.offer(frame, Sighting(frame, gray, found))
 
     def _process(self, sighting: Sighting, depth: Optional[DepthFrame]) -> None:
         frame, gray, found = sighting
