@@ -7,6 +7,7 @@ import pytest
 import rosgraph
 import rospy
 import support
+from calibrated_camera import of_whole_sensor
 from geometry_msgs.msg import TransformStamped
 from rgbd_cameras import BASELINE, SIZES, RgbdCameras, depth_to_color, info_of, model_of
 from rosgraph_msgs.msg import Clock
@@ -119,6 +120,16 @@ def test_all_topics_of_a_frame(start, depth, encoding, published):
     for name in ("width", "height", "distortion_model", "D", "K", "R", "P"):
         assert np.array_equal(getattr(registered, name), getattr(given, name)), name
     assert_cloud(found["points"], expected, COLORS)
+
+
+def test_of_binned_pixels_the_camera_info_of_the_whole_sensor_is_known(start):
+    watched = Watched(start, topics=("image_raw", "camera_info"))
+    given = watched.cameras.calibration
+    watched.cameras.calibration = {name: of_whole_sensor(info) for name, info in given.items()}
+    found = watched.answers()
+    assert same(pixels(found["image_raw"]), expected_of(MILLIMETRES))
+    for name in ("width", "height", "binning_x", "binning_y", "D", "K", "P"):
+        assert getattr(found["camera_info"], name) == pytest.approx(getattr(given["rgb"], name))
 
 
 def test_points_without_colors_do_not_wait_for_any(start):

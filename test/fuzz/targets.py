@@ -38,7 +38,7 @@ from robot_vision.meshes import Mesh, MeshRenderer, read_mesh, write_mesh
 from robot_vision.msg import Detection, DetectionArray
 from robot_vision.recordings.bag_images import images_on, opened, topics_of
 from robot_vision.recordings.gray_images import gray_file, gray_message
-from robot_vision.ros.camera_info import camera_model
+from robot_vision.ros.camera_info import camera_model, image_size
 from robot_vision.tags.bundle_files import parse_bundles
 from robot_vision.tracking.auto_selection import AutoSelection
 from robot_vision.transport import Frame
@@ -104,7 +104,7 @@ class CameraInfos(Target):
 
     def run(self, data: bytes) -> None:
         info = CameraInfo().deserialize(data)
-        camera = camera_model(info, (info.width, info.height))
+        camera = camera_model(info, image_size(info))
         pixels, _ = camera.project(np.array([[0.0, 0.0, 1.0], [0.1, 0.1, 1.0]]))
         assert np.isfinite(camera.K).all() and not np.isnan(pixels[0]).any(), pixels
 

@@ -9,6 +9,7 @@ import rosgraph
 import rospy
 import stereo_images
 import support
+from calibrated_camera import of_whole_sensor
 from frames import Source
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2, PointField
 from stereo_cameras import BASELINE, CX, CY, FOCAL, SIDES, StereoCameras, info_of
@@ -178,6 +179,9 @@ def test_parameters_and_calibration_change_live(start):
     depth = rv.depth_from_disparity(disparity, geometry(2.5))
     assert found["depth"].encoding == "16UC1"
     assert np.array_equal(pixels(found["depth"]), rv.encode_depth(depth))
+    # The same images are of a sensor with four times as many pixels.
+    watched.cameras.calibration = {side: of_whole_sensor(info_of(side, 2.5)) for side in SIDES}
+    assert np.array_equal(pixels(watched.answers()["depth"]), rv.encode_depth(depth))
 
     for name, value, said in (
         ("disparities", 40, "disparities is 40, must be a multiple of 16"),

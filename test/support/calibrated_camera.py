@@ -1,5 +1,6 @@
 """Shared by the tests of nodes that need camera_info: images, and the calibration beside them."""
 
+import copy
 from typing import Any, Callable, Tuple
 
 import numpy as np
@@ -21,6 +22,17 @@ def info_of(camera: CameraModel) -> CameraInfo:
         D=list(camera.D),
         distortion_model=camera.distortion_model,
     )
+
+
+def of_whole_sensor(info: CameraInfo) -> CameraInfo:
+    """What a driver says that makes the same images of two by two pixels each."""
+    whole = copy.deepcopy(info)
+    whole.width, whole.height = 2 * info.width, 2 * info.height
+    whole.binning_x = whole.binning_y = 2
+    for name, columns in (("K", 3), ("P", 4)):
+        rows = np.reshape(getattr(info, name), (3, columns))
+        setattr(whole, name, (np.diag([2.0, 2.0, 1.0]) @ rows).ravel().tolist())
+    return whole
 
 
 def not_calibrated(image: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ from sensor_msgs.msg import CameraInfo
 from .. import CameraModel
 from ..common.errors import about
 from ..recordings.bag_images import messages_on, opened, require_topic, topics_of
-from ..ros.camera_info import camera_model
+from ..ros.camera_info import camera_model, image_size
 from .camera_file import read_camera
 
 TIMEOUT = 5.0  # s, longest wait for a camera_info
@@ -31,7 +31,7 @@ def known_camera(source: str, bag: Optional[str] = None) -> CameraModel:
         return read_camera(source)
     info = _recorded(source, bag) if bag else _published(source)
     with about(f"camera_info on {source}"):
-        return camera_model(info, (info.width, info.height))
+        return camera_model(info, image_size(info))
 
 
 def _recorded(topic: str, bag: str) -> CameraInfo:

@@ -4,6 +4,7 @@ import threading
 import time
 from typing import Any, Optional, Tuple
 
+import numpy as np
 import rospy
 from sensor_msgs.msg import CameraInfo
 
@@ -58,7 +59,7 @@ class CameraInfoListener:
             self._report_missing()
             return None
         lens = (info.P,) if rectified else (info.K, info.D, info.distortion_model)
-        used = size, info.width, info.height, *lens
+        used = (size, *window_of(info), *lens)
         if used != self._used:
             self._used = used
             self._camera, self._error = None, ""
@@ -132,11 +133,28 @@ class CameraInfoListener:
             rospy.loginfo("%s from now on: camera_info on %s", self._missing, self.topic)
 
 
+def window_of(info: CameraInfo) -> Tuple[Any, ...]:
+    """Returns the values that tell which pixels of the sensor its images have."""
+    return info.width, info.height, info.binning_x, info.binning_y, info.roi
+
+
+def image_size(info: CameraInfo) -> Tuple[int, int]:
+    """Returns the size of the images in px, (width, height), by their binning and region.
+
+    The camera_info of a driver that bins pixels, or gives a region, is that of the whole sensor
+    (REP 104).
+    """
+    whole = not (info.roi.width and info.roi.height)
+    width, height = (info.width, info.height) if whole else (info.roi.width, info.roi.height)
+    return width // max(info.binning_x, 1), height // max(info.binning_y, 1)
+
+
 def camera_model(info: CameraInfo, size: Tuple[int, int], rectified: bool = False) -> CameraModel:
     """Returns the camera model for images of `size`, (width, height) in px.
 
     Args:
-        info: The calibration.
+        info: The calibration, of images of this size, or of the sensor that they are a part of by
+            binning and region, as image_geometry takes them.
         size: Of the images.
         rectified: Whether the images are rectified: then their camera is P, without distortion.
 
@@ -144,13 +162,20 @@ def camera_model(info: CameraInfo, size: Tuple[int, int], rectified: bool = Fals
         ValueError: The camera is not calibrated, camera_info belongs to images of another size,
             or its distortion model is not known here.
     """
-    matrix = [value for row in range(3) for value in info.P[4 * row :][:3]] if rectified else info.K
+    matrix = np.reshape(info.P, (3, 4))[:, :3] if rectified else np.reshape(info.K, (3, 3))
     if not is_calibrated(matrix):
         raise ValueError(f"the camera is not calibrated{' for rectified images' * rectified}")
     if (info.width, info.height) != size:
-        raise ValueError(
-            f"camera_info is of {info.width}x{info.height}, the image {size[0]}x{size[1]}"
-        )
-    if rectified:
-        return CameraModel(info.width, info.height, matrix)
-    return CameraModel(info.width, info.height, info.K, info.D, info.distortion_model)
+        own = image_size(info)
+        if own != size:
+            raise ValueError(f"camera_info is of {own[0]}x{own[1]}, the image {size[0]}x{size[1]}")
+        matrix = _of_window(info) @ matrix
+    lens = () if rectified else (info.D, info.distortion_model)
+    return CameraModel(*size, matrix, *lens)
+
+
+def _of_window(info: CameraInfo) -> np.ndarray:
+    """Returns the 3x3 matrix from pixels of the whole sensor to those of the images."""
+    region = np.eye(3)
+    region[:2, 2] = -info.roi.x_offset, -info.roi.y_offset
+    return np.diag([1.0 / max(info.binning_x, 1), 1.0 / max(info.binning_y, 1), 1.0]) @ region

@@ -17,7 +17,7 @@ from ..recordings.bag_images import (
     require_topic,
     topics_of,
 )
-from ..ros.camera_info import camera_model
+from ..ros.camera_info import camera_model, image_size
 from ..ros.transport import camera_info_beside
 from .frame_collection import FrameCollection
 
@@ -51,7 +51,7 @@ def collect_from_bag(
         require_topic(path, kinds, camera_info, CAMERA_INFO, "camera_info")
         info = next(messages_on(bag, camera_info))
         with about(f"{path}: camera_info on {camera_info}"):
-            camera = camera_model(info, (info.width, info.height))
+            camera = camera_model(info, image_size(info))
         _collect(bag, arguments, camera, collection, progress)
         return camera
 

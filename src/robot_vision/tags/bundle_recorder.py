@@ -11,7 +11,7 @@ from sensor_msgs.msg import CameraInfo
 from .. import CameraModel
 from ..common.progress import Progress
 from ..msg import TagDetectionArray
-from ..ros.camera_info import camera_model
+from ..ros.camera_info import camera_model, window_of
 from ..ros.transport import remapped_camera_info
 from .frame_collection import FrameCollection
 
@@ -118,7 +118,7 @@ class BundleRecorder:
 
     def _require_camera(self, info: CameraInfo, size: Tuple[int, int]) -> None:
         """Raises ValueError if the camera_info does not fit; the first one makes the camera."""
-        used = size, info.width, info.height, info.K, info.D, info.distortion_model
+        used = (size, *window_of(info), info.K, info.D, info.distortion_model)
         if self._camera is None or used != self._used:
             camera = camera_model(info, size)
             if self._camera is not None:

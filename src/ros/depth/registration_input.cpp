@@ -121,7 +121,9 @@ bool RegistrationInput::process(const sensor_msgs::ImageConstPtr& message)
 {
   if (!depth_info_) throw std::invalid_argument("nothing has come on " + topics_.depth_info);
   if (!color_info_) throw std::invalid_argument("nothing has come on " + topics_.color_info);
-  return process_({message, viewAnyPixels(*message), depth_info_, color_info_, &diagnostics_.statistics()});
+  const cv::Mat image = viewAnyPixels(*message);
+  return process_(
+      {message, image, ofImages(depth_info_, image.size()), ofImages(color_info_), &diagnostics_.statistics()});
 }
 
 }  // namespace robot_vision

@@ -26,7 +26,7 @@ struct RegistrationTopics
   std::string depth_image, depth_info, color_image, color_info;
 };
 
-/// A depth image and the newest calibrations.
+/// A depth image and the newest calibrations, those of the pixels of images.
 struct RegistrationFrame
 {
   sensor_msgs::ImageConstPtr depth;

@@ -3,8 +3,10 @@
 #include <image_transport/camera_common.h>
 
 #include <algorithm>
+#include <boost/make_shared.hpp>
 #include <cstdint>
 #include <limits>
+#include <opencv2/core/matx.hpp>
 
 #include "bounded_reading.hpp"
 #include "subscribing_lock.hpp"
@@ -22,6 +24,28 @@ CameraModel cameraModel(const sensor_msgs::CameraInfo& info)
   model.D = info.D;
   model.distortion_model = info.distortion_model;
   return model;
+}
+
+sensor_msgs::CameraInfoConstPtr ofImages(const sensor_msgs::CameraInfoConstPtr& info, const cv::Size& size)
+{
+  const sensor_msgs::RegionOfInterest& roi = info->roi;
+  const bool whole = roi.width == 0 || roi.height == 0;
+  const std::uint32_t columns = std::max(info->binning_x, 1U), rows = std::max(info->binning_y, 1U);  // of a pixel
+  const bool is_theirs = cv::Size2d(info->width, info->height) == cv::Size2d(size);
+  if (is_theirs || (whole && columns == 1 && rows == 1)) return info;
+
+  const auto made = boost::make_shared<sensor_msgs::CameraInfo>(*info);
+  const cv::Matx33d binning(1.0 / columns, 0.0, 0.0, 0.0, 1.0 / rows, 0.0, 0.0, 0.0, 1.0);
+  const cv::Matx33d region(1.0, 0.0, -1.0 * roi.x_offset, 0.0, 1.0, -1.0 * roi.y_offset, 0.0, 0.0, 1.0);
+  const cv::Matx33d K = binning * region * cv::Matx33d(info->K.data());
+  const cv::Matx34d P = binning * region * cv::Matx34d(info->P.data());
+  std::copy_n(K.val, made->K.size(), made->K.begin());
+  std::copy_n(P.val, made->P.size(), made->P.begin());
+  made->width = (whole ? info->width : roi.width) / columns;
+  made->height = (whole ? info->height : roi.height) / rows;
+  made->binning_x = made->binning_y = 0;
+  made->roi = sensor_msgs::RegionOfInterest();
+  return made;
 }
 
 std::string cameraInfoTopic(const ros::NodeHandle& nh, const std::string& camera)

@@ -48,7 +48,9 @@ StereoCamera stereoCamera(const StereoFrame& frame)
   const auto camera = [&frame](std::size_t side)
   {
     const StereoPair& pair = frame.messages;
-    return about(frame.topics.infos[side], [&] { return rectifiedCamera(*pair.images[side], *pair.infos[side]); });
+    const sensor_msgs::Image& image = *pair.images[side];
+    const cv::Size size(static_cast<int>(image.width), static_cast<int>(image.height));
+    return about(frame.topics.infos[side], [&] { return rectifiedCamera(image, *ofImages(pair.infos[side], size)); });
   };
   const StereoCamera pair{camera(kLeft), camera(kRight)};
   return about(frame.topics.infos[kLeft] + " and " + frame.topics.infos[kRight],
