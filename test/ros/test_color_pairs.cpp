@@ -162,7 +162,10 @@ TEST(ColorPairs, tellWhyThereAreNone)
   EXPECT_EQ(told_of_late,
             "the stamps on /d and /c do not meet: the newest are 2.900000000 s and 2.950000000 s, must be "
             "at most slop, 0.02 s, apart");
-  EXPECT_EQ(none.pairs.problem("/d", "/c"), "");  // told once
+  none.depth(3000);
+  EXPECT_EQ(none.pairs.problem("/d", "/c"), "nothing has come on /c");  // of each from now on
+  none.color(3000);
+  EXPECT_EQ(none.pairs.problem("/d", "/c"), "");
 }
 
 TEST(ColorPairs, tellThatDepthsComeTooLate)

@@ -182,9 +182,8 @@ TEST(StereoPairs, tellWhyThereAreNone)
     for (std::size_t i = 0; i < StereoPairs::kMaxUnpaired && told.empty(); ++i)
     {
       send(cameras, 1.0 + static_cast<double>(i));
-      told = cameras.pairs.problem(kTopics);
+      told = cameras.pairs.problem(kLeft, kTopics);
     }
-    EXPECT_EQ(cameras.pairs.problem(kTopics), "");  // told once
     return told;
   };
   EXPECT_EQ(problem(0.0, [](Cameras& cameras, double time) { cameras.both(kLeft, time); }),
@@ -232,7 +231,25 @@ TEST(StereoPairs, tellNothingWhilePairsCome)
   {
     cameras.both(kLeft, static_cast<double>(i));
     cameras.both(kRight, static_cast<double>(i));
-    EXPECT_EQ(cameras.pairs.problem(kTopics), "");
+    EXPECT_EQ(cameras.pairs.problem(kLeft, kTopics), "");
+    EXPECT_EQ(cameras.pairs.problem(kRight, kTopics), "");
+  }
+}
+
+TEST(StereoPairs, tellOfEachLeftImageUntilAPairComes)
+{
+  for (const std::size_t side : {kLeft, kRight})
+  {
+    Cameras cameras;
+    std::size_t told = 0;
+    for (std::size_t i = 1; i <= 3 * StereoPairs::kMaxUnpaired; ++i)
+    {
+      cameras.both(side, static_cast<double>(i));
+      told += !cameras.pairs.problem(side, kTopics).empty();
+    }
+    EXPECT_EQ(told, side == kLeft ? 2 * StereoPairs::kMaxUnpaired + 1 : 3) << side;
+    cameras.both(1 - side, 3.0 * StereoPairs::kMaxUnpaired);
+    EXPECT_EQ(cameras.pairs.problem(kLeft, kTopics), "");
   }
 }
 

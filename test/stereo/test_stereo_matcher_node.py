@@ -324,7 +324,7 @@ def test_slop_lets_stamps_differ(start):
     assert watched.topics["disparity"].of(stamp).header.frame_id == "left_eye"
 
 
-def test_a_camera_that_is_missing_is_named(start):
+def test_a_camera_that_is_missing_is_named(start, diagnostics):
     watched = Watched(start, topics=("disparity",))
     cameras = watched.cameras
     times = itertools.count(1000)
@@ -335,6 +335,14 @@ def test_a_camera_that_is_missing_is_named(start):
         return f"no pairs: nothing has come on {topic}" in watched.process.output()
 
     support.wait_for(told, "what is missing")
+
+    def is_counted():
+        told()
+        counts = {pair.key: pair.value for pair in diagnostics.next("stereo").values}
+        received, refused = (int(counts[f"frames {of}"]) for of in ("received", "refused"))
+        return received > 30 and received - refused == 19
+
+    support.wait_for(is_counted, "all left images to be refused from the 20th on")
     watched.answers()
 
 

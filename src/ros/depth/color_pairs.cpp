@@ -55,10 +55,9 @@ bool ColorPairs::isNearerToCome(const sensor_msgs::ImageConstPtr& nearest) const
   return secondsBetween(colors_[colors_.size() - 2]->header.stamp, newest) < 2.0 * age;
 }
 
-std::string ColorPairs::problem(const std::string& depth_topic, const std::string& color_topic)
+std::string ColorPairs::problem(const std::string& depth_topic, const std::string& color_topic) const
 {
   if (unpaired_ < kMaxUnpaired) return "";
-  unpaired_ = 0;
   if (colors_.empty()) return "nothing has come on " + color_topic;
   const ros::Time& oldest = colors_.front()->header.stamp;
   if (colors_.size() == kMaxColors && newest_depth_ < oldest)

@@ -31,9 +31,9 @@ public:
   std::optional<ColoredDepth> addDepth(const sensor_msgs::ImageConstPtr& depth);
   std::optional<ColoredDepth> addColor(const sensor_msgs::ImageConstPtr& color);
 
-  /// Why there are no pairs, in one line that names topics, each time that so many depth images have found none;
+  /// Why there are no pairs, in one line that names topics, from so many depth images in a row on that have found none;
   /// otherwise empty.
-  std::string problem(const std::string& depth_topic, const std::string& color_topic);
+  std::string problem(const std::string& depth_topic, const std::string& color_topic) const;
 
   /// Forgets all images.
   void clear();
@@ -46,7 +46,7 @@ private:
   std::deque<sensor_msgs::ImageConstPtr> colors_;
   sensor_msgs::ImageConstPtr waiting_;  // the last depth image, until it has its colors
   ros::Time newest_depth_;
-  std::size_t unpaired_ = 0;
+  std::size_t unpaired_ = 0;  // depth images since the last pair
 };
 
 }  // namespace robot_vision

@@ -42,7 +42,13 @@ bool RegisteredPoints::add(const sensor_msgs::ImageConstPtr& depth, const std::s
   maker_ = maker;
   statistics_ = &statistics;
   counts_ = counts;
-  if (listens()) return publish(pairs_.addDepth(depth));
+  if (listens())
+  {
+    const std::optional<ColoredDepth> pair = pairs_.addDepth(depth);
+    const std::string problem = pairs_.problem(topics_.depth_image, topics_.color_image);
+    if (!problem.empty()) tell("no colors of points: " + problem);
+    return publish(pair);
+  }
   const cv::Mat pixels = viewAnyPixels(*depth);
   const auto cloud = pool_.take(pixels.size(), /*colored=*/false);
   cloud->header = depth->header;
@@ -62,8 +68,6 @@ void RegisteredPoints::onColor(const sensor_msgs::ImageConstPtr& message)
 /// Returns whether it has.
 bool RegisteredPoints::publish(const std::optional<ColoredDepth>& pair)
 {
-  const std::string problem = pairs_.problem(topics_.depth_image, topics_.color_image);
-  if (!problem.empty()) tell("no colors of points: " + problem);
   if (!pair) return false;
   try
   {

@@ -107,9 +107,9 @@ void StereoInput::subscribe()
 {
   for (const std::size_t side : {kLeft, kRight})
   {
-    infos_[side] = subscribeToCameraInfo(nh_, topics_.infos[side], kQueueSize,
-                                         [this, side](const sensor_msgs::CameraInfoConstPtr& info)
-                                         { onPair(pairs_.add(side, info)); });
+    infos_[side] =
+        subscribeToCameraInfo(nh_, topics_.infos[side], kQueueSize,
+                              [this, side](const sensor_msgs::CameraInfoConstPtr& info) { onInfo(side, info); });
     images_[side] =
         ImageSubscription(nh_, it_, imageName(side), hints_,
                           [this, side](const sensor_msgs::ImageConstPtr& message) { onImage(side, message); });
@@ -129,14 +129,16 @@ void StereoInput::unsubscribe()
 void StereoInput::onImage(std::size_t side, const sensor_msgs::ImageConstPtr& message)
 {
   if (side == kLeft) diagnostics_.statistics().received(message->header.seq);
-  onPair(pairs_.add(side, message));
+  const std::optional<StereoPair> pair = pairs_.add(side, message);
+  if (pair) return process(*pair);
+  const std::string problem = pairs_.problem(side, topics_);
+  if (!problem.empty()) refuse("no pairs: " + problem);
 }
 
-void StereoInput::onPair(const std::optional<StereoPair>& pair)
+void StereoInput::onInfo(std::size_t side, const sensor_msgs::CameraInfoConstPtr& message)
 {
-  if (pair) return process(*pair);
-  const std::string problem = pairs_.problem(topics_);
-  if (!problem.empty()) refuse("no pairs: " + problem);
+  const std::optional<StereoPair> pair = pairs_.add(side, message);
+  if (pair) process(*pair);
 }
 
 void StereoInput::process(const StereoPair& pair)

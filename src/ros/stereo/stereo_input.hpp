@@ -29,8 +29,8 @@ struct StereoFrame
 /// The images and camera_info of two cameras, on left/image_raw, left/camera_info, right/image_raw and
 /// right/camera_info, to which it subscribes only while the node's results are wanted, or always if ~always_subscribe
 /// is set. camera_info is expected beside the images, if these are remapped and it is not. What belongs together is
-/// found by StereoPairs, with ~slop. A pair that cannot be used is refused, logged and counted; so is that no pairs
-/// come.
+/// found by StereoPairs, with ~slop. A pair that cannot be used is refused, logged and counted; so is each left image
+/// while no pairs come.
 class StereoInput
 {
 public:
@@ -54,7 +54,7 @@ private:
   void subscribe();
   void unsubscribe();
   void onImage(std::size_t side, const sensor_msgs::ImageConstPtr& message);
-  void onPair(const std::optional<StereoPair>& pair);
+  void onInfo(std::size_t side, const sensor_msgs::CameraInfoConstPtr& message);
   void process(const StereoPair& pair);
   void refuse(const std::string& what);
 

@@ -91,23 +91,22 @@ std::optional<std::size_t> StereoPairs::nearestRight(const ros::Time& left) cons
   return nearest;
 }
 
-std::string StereoPairs::problem(const StereoTopics& topics)
+std::string StereoPairs::problem(std::size_t side, const StereoTopics& topics) const
 {
-  if (unpaired_ < kMaxUnpaired) return "";
-  unpaired_ = 0;
-  for (const std::size_t side : {kLeft, kRight})
+  if (unpaired_ < kMaxUnpaired || (side == kRight && unpaired_ % kMaxUnpaired != 0)) return "";
+  for (const std::size_t of : {kLeft, kRight})
   {
-    if (cameras_[side].images.empty()) return "nothing has come on " + topics.images[side];
-    if (cameras_[side].infos.empty()) return "nothing has come on " + topics.infos[side];
+    if (cameras_[of].images.empty()) return "nothing has come on " + topics.images[of];
+    if (cameras_[of].infos.empty()) return "nothing has come on " + topics.infos[of];
   }
-  for (const std::size_t side : {kLeft, kRight})
+  for (const std::size_t of : {kLeft, kRight})
   {
-    const Camera& camera = cameras_[side];
+    const Camera& camera = cameras_[of];
     bool meet = false;
     for (const auto& image : camera.images)
       meet = meet || indexOf(camera.infos, image->header.stamp);
     if (!meet)
-      return apart(topics.images[side], camera.images.back()->header.stamp, topics.infos[side],
+      return apart(topics.images[of], camera.images.back()->header.stamp, topics.infos[of],
                    camera.infos.back()->header.stamp, "equal");
   }
   const std::string expected =

@@ -46,9 +46,10 @@ public:
   std::optional<StereoPair> add(std::size_t side, const sensor_msgs::ImageConstPtr& image);
   std::optional<StereoPair> add(std::size_t side, const sensor_msgs::CameraInfoConstPtr& info);
 
-  /// Why there are no pairs, in one line that names topics, each time that so many images have come without one;
-  /// otherwise empty.
-  std::string problem(const StereoTopics& topics);
+  /// Why an image of the camera `side` that was added has no pair, in one line that names topics; empty until so many
+  /// images in a row have none. Of right images it is empty but each time that so many have come, because left ones are
+  /// what is counted.
+  std::string problem(std::size_t side, const StereoTopics& topics) const;
 
   /// Forgets all messages.
   void clear();
@@ -65,7 +66,7 @@ private:
 
   double slop_;
   std::array<Camera, 2> cameras_;
-  std::size_t unpaired_ = 0;  // images since the last pair, or since a problem was told
+  std::size_t unpaired_ = 0;  // images since the last pair
 };
 
 }  // namespace robot_vision
