@@ -86,6 +86,27 @@ def test_statuses_of_several_nodes_at_the_same_moment_all_come():
         )
 
 
+def test_the_last_status_before_a_rest_is_told():
+    rospy.set_param("/first/diagnostic_period", 3600.0)
+    with loaded(NODES[:1]) as (context,), active(context):
+        topic = StatusTopic("objects")
+        came = support.subscribed("/diagnostics", DiagnosticArray)
+
+        def told():
+            return [one.message for array in came.received for one in array.status]
+
+        for text in ("the first", "not due", "the last"):
+            topic.publish(lambda text=text: (0, text, {}))
+        for _ in range(2):
+            topic.publish_untold()
+        support.wait_for(lambda: "the last" in told(), "the last status")
+        topic._last = float("-inf")
+        topic.publish(lambda: (0, "another", {}))
+        support.wait_for(lambda: "another" in told(), "one that is due")
+        assert [text for text in told() if text] == ["the first", "the last", "another"]
+    rospy.delete_param("/first")
+
+
 def test_transforms_are_for_others_alone():
     """A node that listens to transforms as well does not work for itself."""
     with loaded(NODES[:1]) as (context,):

@@ -114,6 +114,7 @@ class ObjectRecognizer:
         self._depth.clear()
         self._missing_depth.end()
         self._tables_of.clear()
+        self._report.end()
 
     def _on_reload(self, _request: Any) -> TriggerResponse:
         return TriggerResponse(*self._source.reload())

@@ -61,6 +61,10 @@ class RecognitionReport:
         """Publishes the status if it is due."""
         self._status.publish(lambda: (*self._summary(), self._values()))
 
+    def end(self) -> None:
+        """Publishes the status of the last image, as no other comes for now."""
+        self._status.publish_untold()
+
     def _summary(self) -> "tuple[int, str]":
         if self._problem or self._frame_problem:
             return DiagnosticStatus.ERROR, self._problem or self._frame_problem

@@ -1,7 +1,7 @@
 """What a node says on /diagnostics besides the statistics of its images."""
 
 import time
-from typing import Callable, Mapping, Tuple
+from typing import Callable, Mapping, Optional, Tuple
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -29,13 +29,20 @@ class StatusTopic:
             "/diagnostics", DiagnosticArray, queue_size=SHARED_QUEUE
         )
         self._last = float("-inf")  # s of the monotonic clock, of the newest status
+        self._untold: Optional[Callable[[], Status]] = None  # what was not due
 
     def publish(self, status: Callable[[], Status]) -> None:
         """Publishes what `status` returns if it is due."""
-        now = time.monotonic()
-        if now - self._last < self._period:
+        self._untold = status
+        if time.monotonic() - self._last >= self._period:
+            self.publish_untold()
+
+    def publish_untold(self) -> None:
+        """Publishes the last status if that was not due: no other may come for a long time."""
+        status, self._untold = self._untold, None
+        if status is None:
             return
-        self._last = now
+        self._last = time.monotonic()
         level, text, values = status()
         message = DiagnosticArray()
         message.header.stamp = rospy.Time.now()
