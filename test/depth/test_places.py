@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+import rospy
 from geometry_msgs.msg import Point
 from std_msgs.msg import Header
 
@@ -42,7 +43,7 @@ def place(**values):
 
 
 def test_what_has_no_name_has_no_transform_but_a_marker():
-    header = Header(frame_id="eye")
+    header = Header(stamp=rospy.Time(1), frame_id="eye")
     array = Detection3DArray(header, [place(frame_id="a_0"), place(id=-1, label="ü\n")], 0)
     (transform,) = transforms(array).transforms
     assert (transform.header, transform.child_frame_id) == (header, "a_0")

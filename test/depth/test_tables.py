@@ -5,6 +5,7 @@ import re
 
 import numpy as np
 import pytest
+import rospy
 from geometry_msgs.msg import Point
 from std_msgs.msg import Header
 from table_world import (
@@ -36,7 +37,7 @@ BENT = (-0.1, 0.02, 0.001, -0.001, 0.0)
 WORLD_NOISE = {"none": 0.0005, "kinect": 0.004, "stereo": 0.008, "tof": 0.001}
 ALIKE = {"stereo": 2.0}  # errors that are alike in blocks of pixels bend planes: as larger ones
 FLYING = {"stereo": 0.01, "tof": 0.01}  # m, by which pixels that mix two surfaces move the middle
-HEADER = Header(frame_id="eye")
+HEADER = Header(stamp=rospy.Time(1), frame_id="eye")
 
 
 def finder_of(camera, noise=0.0005, **values):

@@ -18,7 +18,6 @@ from robot_vision.camera.camera_list import parse_cameras
 from robot_vision.color.named_colors import NamedColors
 from robot_vision.dashboard import dashboard
 from robot_vision.dnn import check_for_objects
-from robot_vision.line import line_follower
 from robot_vision.recognition import recognize_action
 from robot_vision.ros import context, live_params, params, transport
 from robot_vision.tags.bundle_files import parse_bundles
@@ -173,7 +172,7 @@ AT_START = {
         "more_colors": lambda value: value == {},
         **IMAGE_NODE,
     },
-    "line.line_follower.LineFollower": IMAGE_NODE,
+    "line.line_follower.LineFollower": {"enabled": is_flag, **IMAGE_NODE},
     "faces.face_detector.FaceDetector": IMAGE_NODE,
     "motion.motion_detector.MotionDetector": IMAGE_NODE,
     "lanes.lane_detector.LaneDetector": IMAGE_NODE,
@@ -270,7 +269,6 @@ def alone(at_start, monkeypatch, tmp_path):
     for name in ("Publisher", "Subscriber", "on_shutdown", "get_name", "logwarn", "loginfo"):
         monkeypatch.setattr(rospy, name, nothing)
     monkeypatch.setattr(transport, "node_images", lambda: nothing)
-    monkeypatch.setattr(line_follower, "Drive", nothing)
     for module in (recognize_action, check_for_objects):
         monkeypatch.setattr(module, "action_server", nothing)
     monkeypatch.setattr(context.NodeContext, "thread", nothing)
