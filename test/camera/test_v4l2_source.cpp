@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <limits>
 
 #include "core/camera/v4l2_source.hpp"
@@ -15,6 +16,15 @@ std::string readError(V4l2Source& source)
 {
   Frame frame;
   return refusal<std::exception>([&] { source.read(frame); });
+}
+
+/// Reads the next frame, whose pixels must be its own, and returns its number.
+std::int64_t numberOfNext(V4l2Source& source)
+{
+  Frame frame;
+  EXPECT_EQ(source.read(frame), ReadResult::kFrame);
+  EXPECT_EQ(cv::countNonZero(frame.image.reshape(1) != frame.sequence), 0);
+  return frame.sequence;
 }
 
 }  // namespace
@@ -56,13 +66,7 @@ TEST(V4l2Source, givesTheNewestFrameToAReaderThatIsTooSlow)
 {
   FakeCamera camera;
   V4l2Source source(camera.plug(), CaptureParams());
-  Frame frame;
-  const auto read = [&]
-  {
-    EXPECT_EQ(source.read(frame), ReadResult::kFrame);
-    EXPECT_EQ(cv::countNonZero(frame.image.reshape(1) != frame.sequence), 0);
-    return frame.sequence;
-  };
+  const auto read = [&] { return numberOfNext(source); };
   EXPECT_EQ(read(), 0);
   camera.waiting = 3;  // a delay that the driver's buffers can hold
   EXPECT_EQ(read(), 1);
@@ -81,12 +85,7 @@ TEST(V4l2Source, givesTheNewestFrameOfADriverThatNumbersOnlyWhatItGives)
 {
   FakeCamera camera;
   V4l2Source source(camera.plug(), CaptureParams());
-  Frame frame;
-  const auto read = [&]
-  {
-    EXPECT_EQ(source.read(frame), ReadResult::kFrame);
-    return frame.sequence;
-  };
+  const auto read = [&] { return numberOfNext(source); };
   EXPECT_EQ(read(), 0);
   camera.waiting = 4;  // it has no buffer for the next one
   EXPECT_EQ(read(), 4);

@@ -54,7 +54,7 @@ def held_writer(publisher):
 
 def transforms_of(context):
     with active(context):
-        return ImageNode(lambda _: None).publisher("/tf", TFMessage)
+        return ImageNode(lambda _: None).shared_publisher("/tf", TFMessage)
 
 
 def test_transforms_of_several_nodes_at_the_same_moment_all_come():

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <optional>
 
+#include "core/common/starts_with.hpp"
 #include "robot_vision/camera/frame_source.hpp"
 #include "robot_vision/common/printable.hpp"
 #include "robot_vision/common/range.hpp"
@@ -44,7 +45,7 @@ std::vector<fs::path> entriesOf(const fs::path& folder)
 int numberOf(const fs::path& path)
 {
   const std::string name = path.filename().string();
-  const bool numbered = name.size() > 5 && name.size() < 12 && name.compare(0, 5, "video") == 0 &&
+  const bool numbered = name.size() > 5 && name.size() < 12 && startsWith(name, "video") &&
                         std::all_of(name.begin() + 5, name.end(), [](unsigned char c) { return std::isdigit(c); });
   return numbered ? std::stoi(name.substr(5)) : -1;
 }

@@ -106,7 +106,7 @@ void V4l2Source::queue(unsigned index)
 ReadResult V4l2Source::read(Frame& frame)
 {
   if (!streaming_) start();
-  if (!canFill()) behind_ = true;
+  behind_ = behind_ || !canFill();
   giveBack();
   if (!device_->waitReadable(0))
   {

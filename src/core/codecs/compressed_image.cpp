@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include "core/common/starts_with.hpp"
 #include "png.hpp"
 #include "robot_vision/common/printable.hpp"
 #include "robot_vision/common/range.hpp"
@@ -70,7 +71,7 @@ Layout layoutOf(const std::string& encoding)
 
 bool isBayer(const Layout& layout)
 {
-  return std::string(layout.encoding).rfind("bayer", 0) == 0;
+  return startsWith(layout.encoding, "bayer");
 }
 
 /// The code of cv::cvtColor that converts from the layout to what is stored, or back; -1 if no conversion is needed.

@@ -1,5 +1,6 @@
 #include <stdexcept>
 
+#include "core/common/starts_with.hpp"
 #include "operation_table.hpp"
 #include "robot_vision/common/range.hpp"
 
@@ -39,7 +40,7 @@ void combineBits(const std::string& rule, const cv::Mat& a, const cv::Mat& b, cv
 int channelIndex(const std::string& color, const std::string& encoding)
 {
   const int index = color == "blue" ? 0 : color == "green" ? 1 : 2;
-  return encoding.rfind("rgb", 0) == 0 ? 2 - index : index;
+  return startsWith(encoding, "rgb") ? 2 - index : index;
 }
 
 }  // namespace

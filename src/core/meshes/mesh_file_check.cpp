@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "core/common/starts_with.hpp"
 #include "mesh_stream.hpp"
 
 namespace robot_vision
@@ -35,14 +36,14 @@ std::uint64_t stlTriangles(const std::string& head, std::uintmax_t size)
 /// How many faces a PLY file says that it has; 0 of any other file.
 std::uint64_t plyTriangles(const std::string& head)
 {
-  if (head.compare(0, 3, "ply") != 0) return 0;
+  if (!startsWith(head, "ply")) return 0;
   const std::size_t end = head.find("end_header");
   // assimp would look for it until its time is over.
   if (end == std::string::npos) throw std::invalid_argument("its header has no end_header");
   std::istringstream lines(head.substr(0, end));
   const std::string element = "element face ";
   for (std::string line; std::getline(lines, line);)
-    if (line.compare(0, element.size(), element) == 0) return std::strtoull(line.c_str() + element.size(), nullptr, 10);
+    if (startsWith(line, element)) return std::strtoull(line.c_str() + element.size(), nullptr, 10);
   return 0;
 }
 

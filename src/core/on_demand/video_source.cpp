@@ -41,6 +41,9 @@ VideoSource::VideoSource(const std::string& path, double timeout)
   rate_ = capture_.get(cv::CAP_PROP_FPS);
   expected_ = std::max<std::int64_t>(0, static_cast<std::int64_t>(capture_.get(cv::CAP_PROP_FRAME_COUNT)));
   live_ = url_ && expected_ == 0;
+  if (live_)
+    frames_ = std::make_unique<LiveFrames>([this] { return grab(); },
+                                           [this](cv::Mat& image) { return capture_.retrieve(image); });
   if (!(rate_ > 0.0 && rate_ <= 1000.0)) rate_ = kDefaultRate;  // the container states no usable rate
 }
 
@@ -76,9 +79,6 @@ ReadResult VideoSource::read(Frame& frame)
 
 ReadResult VideoSource::readLive(Frame& frame)
 {
-  if (!frames_)
-    frames_ = std::make_unique<LiveFrames>([this] { return grab(); },
-                                           [this](cv::Mat& image) { return capture_.retrieve(image); });
   try
   {
     if (!frames_->take(frame)) return endOrThrow();

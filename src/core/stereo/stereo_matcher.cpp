@@ -123,9 +123,11 @@ struct StereoMatcher::Impl
             toText(of_left.size()) + " as of the left one");
     requireMatchable(of_left.size());
     const cv::Mat left_wide = widened(of_left, margins), right_wide = widened(of_right, margins);
-    // StereoBM writes nothing at all if blocks and disparities leave no pixel that can be matched.
-    wide.create(left_wide.size(), CV_16SC1);
-    wide.setTo(invalidDisparity(params.min_disparity));
+    if (isBm(params))  // which writes nothing at all if blocks and disparities leave no pixel that can be matched
+    {
+      wide.create(left_wide.size(), CV_16SC1);
+      wide.setTo(invalidDisparity(params.min_disparity));
+    }
     matcher->compute(left_wide, right_wide, wide);
     const cv::Mat inner = wide(cv::Rect({margins.left, margins.rows}, of_left.size()));
     if (params.median > 0)

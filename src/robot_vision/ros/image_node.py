@@ -5,7 +5,6 @@ import time
 from typing import Any, Callable, Dict, List, Tuple
 
 import rospy
-from tf2_msgs.msg import TFMessage
 
 from . import transport
 from .context import SHARED_QUEUE, current
@@ -82,20 +81,27 @@ class ImageNode:
     def publisher(
         self, name: str, kind: Any, counts: Callable[[], bool] = lambda: True
     ) -> rospy.Publisher:
-        """Adds a topic of results; its subscribers make the node work while `counts()` is true.
-
-        Of transforms those of its own process do not count: the node may be one of them, and would
-        have itself work for ever.
-        """
-        is_shared = kind is TFMessage
-        size = SHARED_QUEUE if is_shared else 1
-        listener = _Listener(self._note_connections)
-        output = self._context.publisher(name, kind, queue_size=size, subscriber_listener=listener)
-        subscribers = output.get_num_connections
-        if is_shared:
-            subscribers = functools.partial(listeners_elsewhere, output)
-        self._outputs.append((subscribers, counts))
+        """Adds a topic of results; its subscribers make the node work while `counts()` is true."""
+        output = self._publisher(name, kind, 1)
+        self._outputs.append((output.get_num_connections, counts))
         return output
+
+    def shared_publisher(
+        self, name: str, kind: Any, counts: Callable[[], bool] = lambda: True
+    ) -> rospy.Publisher:
+        """Adds a topic of all nodes, to which the node itself may listen, too.
+
+        Subscribers of its own process do not count, or it would have itself work for ever.
+        """
+        output = self._publisher(name, kind, SHARED_QUEUE)
+        self._outputs.append((functools.partial(listeners_elsewhere, output), counts))
+        return output
+
+    def _publisher(self, name: str, kind: Any, queue_size: int) -> rospy.Publisher:
+        listener = _Listener(self._note_connections)
+        return self._context.publisher(
+            name, kind, queue_size=queue_size, subscriber_listener=listener
+        )
 
     def image_publisher(self, name: str) -> transport.ImagePublisher:
         """Adds an image topic, whose subscribers make the node work; draw only if it has any."""

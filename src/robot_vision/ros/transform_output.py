@@ -21,7 +21,7 @@ class TransformOutput:
     def __init__(self, node: ImageNode, enabled: Callable[[], bool], sources: str = "") -> None:
         self._enabled = enabled
         self._sources = sources or f"the images of {node.topic}"
-        self._topic = node.publisher("/tf", TFMessage, counts=enabled)
+        self._topic = node.shared_publisher("/tf", TFMessage, counts=enabled)
 
     def is_wanted(self) -> bool:
         """Returns whether somebody would get transforms, which need not be made otherwise."""
