@@ -110,6 +110,15 @@ def test_fast_depths_are_not_those_of_the_images_before():
         assert run.depth(stamp) == [(stamp, stamp)]
 
 
+def test_depths_of_which_only_one_is_kept_have_a_period_too(monkeypatch):
+    monkeypatch.setattr(depth_pairs, "MAX_BYTES", 1)
+    run = Run()
+    run.depth(0.0)
+    run.depth(0.01)
+    assert run.image(0.018) == []
+    assert run.depth(0.02) == [(0.018, 0.02)]
+
+
 def test_images_do_not_wait_for_a_camera_that_is_gone():
     run = Run()
     run.depth(1)

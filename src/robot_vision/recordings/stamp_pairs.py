@@ -1,8 +1,9 @@
 """Which images of two cameras belong together, by their stamps."""
 
 import collections
-import math
-from typing import Any, Deque, Generic, List, Optional, Sequence, Tuple, TypeVar
+from typing import Any, Deque, Generic, Optional, Sequence, Tuple, TypeVar
+
+from ..ros.stamp_limit import StampLimit
 
 MAX_WAITING = 10  # images of each camera that wait for the other one's
 
@@ -14,8 +15,8 @@ class StampPairs(Generic[Item]):
 
     Args:
         topics: Of the left and the right camera, for messages.
-        slop: The largest difference in s between two stamps that meet. It is half of the time
-            between the last two stamps of a camera if that is less: another one would be nearer.
+        slop: The largest difference in s between two stamps that meet: see StampLimit, of each
+            camera.
     """
 
     def __init__(self, topics: Sequence[str], slop: float = 0.0):
@@ -24,8 +25,7 @@ class StampPairs(Generic[Item]):
         self._waiting: Tuple[Deque[Tuple[Any, Item]], ...] = tuple(
             collections.deque(maxlen=MAX_WAITING) for _ in topics
         )
-        self._newest: List[Optional[Any]] = [None for _ in topics]
-        self._between = [math.inf for _ in topics]  # s, the last two stamps of each that differ
+        self._limits = [StampLimit(slop) for _ in topics]
         self.found = 0
 
     def add(self, side: int, stamp: Any, item: Item) -> Optional[Tuple[Item, Item]]:
@@ -35,7 +35,7 @@ class StampPairs(Generic[Item]):
             The left and the right item if this one has made a pair complete. What is older waits
             no longer.
         """
-        self._follow(side, stamp)
+        self._limits[side].follow(stamp)
         own, others = self._waiting[side], self._waiting[1 - side]
         near = [number for number, (other, _) in enumerate(others) if self._meet(stamp, other)]
         if not near:
@@ -67,13 +67,8 @@ class StampPairs(Generic[Item]):
             + expected
         )
 
-    def _follow(self, side: int, stamp: Any) -> None:
-        last, self._newest[side] = self._newest[side], stamp
-        if last is not None and stamp != last:
-            self._between[side] = abs((stamp - last).to_sec())
-
     def _meet(self, stamp: Any, other: Any) -> bool:
         if stamp.is_zero() or other.is_zero():  # Drivers that set no stamps leave them at 0.
             return False
-        limit = min(self._slop, min(self._between) / 2.0)
-        return stamp == other or abs((stamp - other).to_sec()) <= limit
+        limit = min(one.seconds() for one in self._limits)
+        return abs((stamp - other).to_sec()) <= limit

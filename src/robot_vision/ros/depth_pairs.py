@@ -4,6 +4,7 @@ import collections
 from typing import Any, Deque, Generic, List, Optional, Tuple, TypeVar
 
 from .frame_pairs import MAX_BYTES
+from .stamp_limit import StampLimit
 
 Image = TypeVar("Image")  # what is known of an image; it has a header
 Depth = TypeVar("Depth")  # what is known of a depth image; it has a header, and an array `image`
@@ -23,12 +24,11 @@ class DepthPairs(Generic[Image, Depth]):
     images. For one thread at a time.
 
     Args:
-        slop: By how much two stamps may differ at most, in s. It is half of the time between the
-            last two depths if that is less: another depth would be nearer.
+        slop: By how much two stamps may differ at most, in s: see StampLimit, of the depths.
     """
 
     def __init__(self, slop: float = 0.0) -> None:
-        self.slop = slop
+        self._limit = StampLimit(slop)
         self._depths: Deque[Depth] = collections.deque(maxlen=MAX_DEPTHS)
         self._waiting: Deque[Image] = collections.deque()
         # Headers of images that may have gone on: if depths have their stamps, the next ones wait.
@@ -36,6 +36,15 @@ class DepthPairs(Generic[Image, Depth]):
         self._last_depth = float("-inf")  # s, when one came
         self._fresh = False  # whether a depth has come since the newest image
         self._unmet = 0  # images in a row that came after a depth, while no two stamps met
+
+    @property
+    def slop(self) -> float:
+        """By how much two stamps may differ at most, in s."""
+        return self._limit.slop
+
+    @slop.setter
+    def slop(self, slop: float) -> None:
+        self._limit.slop = slop
 
     def add_image(self, image: Image, now: float) -> List[Tuple[Image, Optional[Depth]]]:
         """Returns which images go on, and with which depths, as an image comes at `now` (s)."""
@@ -48,6 +57,7 @@ class DepthPairs(Generic[Image, Depth]):
     def add_depth(self, depth: Depth, now: float) -> List[Tuple[Image, Optional[Depth]]]:
         """Returns which images go on, and with which depths, as a depth comes at `now` (s)."""
         self._last_depth, self._fresh = now, True
+        self._limit.follow(depth.header.stamp)
         self._depths.append(depth)
         while len(self._depths) > 1 and sum(one.image.nbytes for one in self._depths) > MAX_BYTES:
             self._depths.popleft()
@@ -70,6 +80,7 @@ class DepthPairs(Generic[Image, Depth]):
         """Forgets all images."""
         for waiting in (self._depths, self._waiting, self._headers):
             waiting.clear()
+        self._limit.clear()
         self._last_depth = float("-inf")
         self._fresh, self._unmet = False, 0
 
@@ -96,16 +107,12 @@ class DepthPairs(Generic[Image, Depth]):
 
         Of several with the same stamp it is the newest.
         """
-        limit = self.slop
-        if len(self._depths) > 1:
-            between = abs(_seconds(self._depths[-1].header, self._depths[-2].header))
-            limit = min(limit, between / 2.0)
         found = min(
             reversed(self._depths),
             key=lambda depth: abs(_seconds(depth.header, header)),
             default=None,
         )
-        if found is None or abs(_seconds(found.header, header)) > limit:
+        if found is None or abs(_seconds(found.header, header)) > self._limit.seconds():
             return None
         return found
 
