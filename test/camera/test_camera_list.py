@@ -1,11 +1,14 @@
 """The list of cameras: the parameters that their nodes get, and the lists that are refused."""
 
 import pathlib
+import threading
 
 import pytest
+import rospy
 import yaml
 
 from robot_vision.camera.camera_list import parse_cameras
+from robot_vision.camera.camera_loader import CameraLoader
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
@@ -60,3 +63,16 @@ def test_the_example_in_config_is_valid():
 def test_other_values_are_refused(values, reason):
     with pytest.raises(ValueError, match=reason):
         parse_cameras(values)
+
+
+def test_a_loader_whose_node_was_shut_down_while_it_started_ends(monkeypatch):
+    for flag in ("_in_shutdown", "_shutdown_flag"):
+        monkeypatch.setattr(rospy.core, flag, True)
+    monkeypatch.setattr(CameraLoader, "_work", lambda _: None)
+    loader = object.__new__(CameraLoader)
+    loader._done = threading.Event()  # which _end() would set, had it been called
+    run = threading.Thread(target=loader.run, daemon=True)
+    run.start()
+    run.join(30.0)
+    assert not run.is_alive()
+    loader._done.set()

@@ -279,7 +279,7 @@ def test_stamps_that_never_meet_are_told_with_both_topics(start, diagnostics):
 
 def test_a_detector_that_says_nothing_is_told_and_counted(start, diagnostics):
     watched = Watched(start)
-    said = f"no detections on {watched.found.topic} for 5 s"
+    said = f"no detections on {watched.found.topic} for "  # and how many seconds
 
     def refused():
         image = message(MILLIMETRES, "16UC1")

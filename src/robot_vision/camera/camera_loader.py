@@ -63,7 +63,8 @@ class CameraLoader:
         # The work has its own thread: a manager that is loading a camera may answer late or never.
         work = threading.Thread(target=self._work, daemon=True)
         work.start()
-        while not self._done.wait(POLL_PERIOD):
+        # rospy never calls a function that comes to on_shutdown() while it calls the others.
+        while not (self._done.wait(POLL_PERIOD) or rospy.is_shutdown()):
             if not work.is_alive() and not rospy.core.is_shutdown_requested():
                 raise SystemExit(1)  # The thread has logged the reason.
 
