@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include <chrono>
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <memory>
@@ -11,7 +11,6 @@
 #include <thread>
 
 #include "core/camera/live_frames.hpp"
-#include "robot_vision/common/monotonic.hpp"
 #include "support/refusal.hpp"
 
 using namespace robot_vision;
@@ -19,7 +18,9 @@ using namespace robot_vision;
 namespace
 {
 
-/// A stream whose frames arrive when a test sends them or takes one.
+constexpr std::int64_t kMs = 1000000;  // ns
+
+/// A stream whose frames arrive when a test sends them or takes one, each `between_` after the one before.
 class LiveFramesTest : public testing::Test
 {
 protected:
@@ -32,6 +33,14 @@ protected:
     sent_ = count;
     changed_.notify_all();
     changed_.wait(lock, [this] { return waits_ && sent_ == 0; });
+  }
+
+  /// Waits for a frame, behind which others come at once, before this thread has woken up.
+  bool takeFirstOf(int count)
+  {
+    number_ = 10;
+    at_once_ = count;
+    return frames_->take(frame_);
   }
 
   /// Takes a frame while frames arrive one after the other. They have this number in all pixels; 0 is one that cannot
@@ -63,9 +72,22 @@ protected:
   }
 
 private:
+  /// It is asked when the reader has come for a frame, before it waits.
+  std::int64_t now()
+  {
+    const std::int64_t time = now_;
+    if (const int count = at_once_.exchange(0); count > 0)
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      sent_ = count;
+      changed_.notify_all();
+    }
+    return time;
+  }
+
   bool grab()
   {
-    std::this_thread::yield();  // to the reader that frames arrive for
+    if (arriving_) std::this_thread::yield();  // to the reader that frames arrive for
     std::unique_lock<std::mutex> lock(mutex_);
     waits_ = true;
     changed_.notify_all();
@@ -75,7 +97,8 @@ private:
     if (ended_) return false;
     if (sent_ > 0) --sent_;
     ++grabbed_;
-    grabbed_ns_ = monotonicNow();
+    now_ += between_;
+    grabbed_ns_ = now_;
     return true;
   }
 
@@ -84,7 +107,6 @@ private:
     const std::lock_guard<std::mutex> lock(mutex_);
     arriving_ = false;
     ++retrieved_;
-    retrieved_ns_ = monotonicNow();
     if (number_ < 0) throw std::runtime_error("frame " + std::to_string(number_));
     if (number_ == 0) return false;
     image.create(3, 4, CV_8UC3);
@@ -92,75 +114,89 @@ private:
     return true;
   }
 
+  std::atomic<int> at_once_{0};
   int sent_ = 0;
   int number_ = 0;
-  bool arriving_ = false, waits_ = false, ended_ = false, broken_ = false;
+  std::atomic<bool> arriving_{false};
+  bool waits_ = false, ended_ = false, broken_ = false;
   std::mutex mutex_;
   std::condition_variable changed_;
 
 protected:
-  int grabbed_ = 0, retrieved_ = 0;                 // how many frames
-  std::int64_t grabbed_ns_ = 0, retrieved_ns_ = 0;  // when the last one was
+  int grabbed_ = 0, retrieved_ = 0;  // how many frames
+  std::int64_t grabbed_ns_ = 0;      // when the last one was
+  std::atomic<std::int64_t> now_{1000 * kMs};
+  std::atomic<std::int64_t> between_{0};  // ns, until the next frame
   Frame frame_;
-  std::unique_ptr<LiveFrames> frames_ =
-      std::make_unique<LiveFrames>([this] { return grab(); }, [this](cv::Mat& image) { return retrieve(image); });
+  std::unique_ptr<LiveFrames> frames_ = std::make_unique<LiveFrames>(
+      [this] { return grab(); }, [this](cv::Mat& image) { return retrieve(image); }, [this] { return now(); });
 };
 
 }  // namespace
 
-TEST_F(LiveFramesTest, areTheNextOnesForAReaderThatIsTooSlow)
+TEST_F(LiveFramesTest, areTheNewestForAReaderThatIsTooSlow)
 {
+  between_ = 10 * kMs;
   ASSERT_TRUE(take(10));
   EXPECT_EQ(frame_.sequence, 0);
-  send(3);  // The first one may be of a burst, and so may the second, which is newer.
-  int retrieved = 3;
-  for (const int number : {11, 12})
-  {
-    ASSERT_TRUE(take(number));
-    EXPECT_EQ(frame_.image.at<cv::Vec3b>(1, 2), cv::Vec3b::all(number));
-    EXPECT_EQ(frame_.sequence, grabbed_ - 1);
-    EXPECT_EQ(retrieved_, ++retrieved);  // no image is made of what is left out
-    send(3);
-  }
-}
-
-TEST_F(LiveFramesTest, ofABurstAreKept)
-{
-  ASSERT_TRUE(take(10));
-  send(1);
-  const std::int64_t arrival = grabbed_ns_;
-  cv::Mat lent = frame_.image;
+  send(9);  // how long the reader works is not known yet
+  now_ += 5 * kMs;
   ASSERT_TRUE(frames_->take(frame_));
-  EXPECT_EQ(frame_.sequence, 1);
-  EXPECT_GE(frame_.monotonic_ns, arrival);
-  EXPECT_NE(frame_.image.data, lent.data);  // whose owner may have other plans with it
-  send(2);
-  ASSERT_TRUE(frames_->take(frame_));
-  EXPECT_EQ(frame_.sequence, 3);  // the newer one
-}
-
-TEST_F(LiveFramesTest, areKeptAgainOnceTheReaderIsFastEnough)
-{
-  ASSERT_TRUE(take(10));
-  send(3);
-  bool kept = false;
-  for (int ms = 1; !kept; ms *= 2)  // until the reader waits before a frame arrives
+  for (int round = 0; round < 3; ++round)
   {
-    ASSERT_TRUE(take(11));
-    std::thread sender(
-        [this, ms]
-        {
-          std::this_thread::sleep_for(std::chrono::milliseconds(ms));
-          send(1);
-        });
-    EXPECT_TRUE(frames_->take(frame_));
-    sender.join();
     const int retrieved = retrieved_;
-    send(1);
-    kept = retrieved_ > retrieved;
+    send(9);
+    now_ += 5 * kMs;
+    EXPECT_EQ(retrieved_, retrieved + 1);  // no image is made of what is left out
+    ASSERT_TRUE(frames_->take(frame_));
+    EXPECT_EQ(frame_.sequence, grabbed_ - 1);
+    EXPECT_EQ(frame_.monotonic_ns, grabbed_ns_);
   }
-  ASSERT_TRUE(frames_->take(frame_));
-  EXPECT_EQ(frame_.sequence, grabbed_ - 1);
+}
+
+TEST_F(LiveFramesTest, areAllMadeForAReaderThatIsHardlyTooSlow)
+{
+  between_ = 33 * kMs;
+  ASSERT_TRUE(take(10));
+  for (int round = 1; round < 20; ++round)
+  {
+    send(1);
+    now_ += 3 * kMs;
+    ASSERT_TRUE(frames_->take(frame_));  // at once
+    EXPECT_EQ(frame_.sequence, round);
+  }
+}
+
+TEST_F(LiveFramesTest, ofABurstAreTheFirstAndTheNewest)
+{
+  for (int burst = 0; burst < 4; ++burst)
+  {
+    between_ = 120 * kMs;
+    ASSERT_TRUE(burst == 0 ? take(10) : takeFirstOf(1));
+    EXPECT_EQ(frame_.sequence, 4 * burst);
+    between_ = kMs;
+    send(3);
+    const cv::Mat lent = frame_.image;
+    now_ += 9 * kMs;
+    ASSERT_TRUE(frames_->take(frame_));
+    EXPECT_EQ(frame_.sequence, 4 * burst + 3);
+    EXPECT_EQ(frame_.monotonic_ns, grabbed_ns_);
+    EXPECT_NE(frame_.image.data, lent.data);  // whose owner may have other plans with it
+    now_ += 12 * kMs;
+  }
+}
+
+TEST_F(LiveFramesTest, thatAreWaitedForAreNotThoseThatComeBehindThem)
+{
+  between_ = kMs;
+  ASSERT_TRUE(take(10));
+  for (int round = 0; round < 100; ++round)
+  {
+    ASSERT_TRUE(takeFirstOf(2));
+    ASSERT_EQ(frame_.sequence, 2 * round + 1);
+    ASSERT_TRUE(frames_->take(frame_));
+    ASSERT_EQ(frame_.sequence, 2 * round + 2);
+  }
 }
 
 TEST_F(LiveFramesTest, thatAreDamagedAreToldWhenTheReaderAsksForTheNext)
@@ -175,9 +211,9 @@ TEST_F(LiveFramesTest, thatAreDamagedAreToldWhenTheReaderAsksForTheNext)
 
 TEST_F(LiveFramesTest, haveTheTimeOfTheirArrival)
 {
+  between_ = 7 * kMs;
   ASSERT_TRUE(take(1));
-  EXPECT_GE(frame_.monotonic_ns, grabbed_ns_);
-  EXPECT_LE(frame_.monotonic_ns, retrieved_ns_);
+  EXPECT_EQ(frame_.monotonic_ns, grabbed_ns_);
 }
 
 TEST_F(LiveFramesTest, areRefusedIfTheyAreDamagedAndGoOn)

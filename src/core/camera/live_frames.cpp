@@ -3,12 +3,11 @@
 #include <stdexcept>
 #include <utility>
 
-#include "robot_vision/common/monotonic.hpp"
-
 namespace robot_vision
 {
 
-LiveFrames::LiveFrames(Grab grab, Retrieve retrieve) : grab_(std::move(grab)), retrieve_(std::move(retrieve))
+LiveFrames::LiveFrames(Grab grab, Retrieve retrieve, Clock now)
+  : grab_(std::move(grab)), retrieve_(std::move(retrieve)), now_(std::move(now))
 {
 }
 
@@ -24,14 +23,24 @@ LiveFrames::~LiveFrames()
 bool LiveFrames::take(Frame& frame)
 {
   std::unique_lock<std::mutex> lock(mutex_);
-  if (!kept_ && damage_.empty())
+  if (thread_.joinable())
+    work_ = now_() - begin_;
+  else
+    thread_ = std::thread(&LiveFrames::run, this);
+  if (!kept_ && kept_damage_.empty())
   {
     awaited_ = &frame;
-    if (!thread_.joinable()) thread_ = std::thread(&LiveFrames::run, this);
     changed_.wait(lock, [this] { return awaited_ == nullptr || ended_; });
+    // Others may have come since it was given.
+    if (std::exchange(awaited_, nullptr) == nullptr)
+    {
+      if (!damage_.empty()) throw std::invalid_argument(std::exchange(damage_, ""));
+      return true;
+    }
   }
-  if (!damage_.empty()) throw std::invalid_argument(std::exchange(damage_, ""));
-  if (!kept_) return awaited_ == nullptr;
+  begin_ = now_();
+  if (!kept_damage_.empty()) throw std::invalid_argument(std::exchange(kept_damage_, ""));
+  if (!kept_) return false;
   frame.image = kept_->image;
   frame.sequence = kept_->sequence;
   frame.monotonic_ns = kept_->monotonic_ns;
@@ -51,7 +60,7 @@ void LiveFrames::run()
     error = e.what();
   }
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (!error.empty()) damage_ = error;
+  if (!error.empty()) kept_damage_ = error;
   ended_ = true;
   changed_.notify_all();
 }
@@ -60,52 +69,62 @@ void LiveFrames::readAll()
 {
   while (grab_())
   {
-    const std::int64_t arrival = monotonicNow();
+    const std::int64_t arrival = now_();
     const std::lock_guard<std::mutex> lock(mutex_);
     if (stop_) return;
+    follow(arrival);
     if (awaited_ != nullptr)
       give(arrival);
-    else if (behind_)
-      leaveOut();
-    else
+    else if (kept_ || mayBeWanted(arrival))
       keep(arrival);
+    else
+      ++sequence_;
   }
+}
+
+/// Follows the period of the stream, over some frames: they may come in bursts.
+void LiveFrames::follow(std::int64_t arrival)
+{
+  constexpr std::int64_t kFrames = 8;
+  if (arrival_)
+  {
+    const std::int64_t between = arrival - *arrival_;
+    period_ = period_ ? *period_ + (between - *period_) / kFrames : between;
+  }
+  arrival_ = arrival;
 }
 
 void LiveFrames::give(std::int64_t arrival)
 {
-  behind_ = behind_ && std::exchange(left_out_, false);
-  makeImage(*awaited_, arrival);
+  damage_ = makeImage(*awaited_, arrival);
   awaited_ = nullptr;
+  begin_ = now_();
   changed_.notify_all();
 }
 
 void LiveFrames::keep(std::int64_t arrival)
 {
-  behind_ = kept_.has_value();
   kept_.emplace();
-  if (!makeImage(*kept_, arrival)) kept_.reset();
-}
-
-void LiveFrames::leaveOut()
-{
-  left_out_ = true;
+  const std::string damage = makeImage(*kept_, arrival);
+  if (damage.empty()) return;
   kept_.reset();
-  ++sequence_;
+  kept_damage_ = damage;
 }
 
-/// Makes the frame that was grabbed last; false if it is damaged, which the reader is told.
-bool LiveFrames::makeImage(Frame& frame, std::int64_t arrival)
+/// Whether the reader may be back before the next frame comes, if it works as long as before.
+bool LiveFrames::mayBeWanted(std::int64_t arrival) const
+{
+  return !period_ || arrival + *period_ >= begin_ + work_;
+}
+
+/// Makes the image of the frame that was grabbed last. Returns what is damaged, or nothing.
+std::string LiveFrames::makeImage(Frame& frame, std::int64_t arrival)
 {
   const std::string damage = retrieveInto(frame.image);
-  if (!damage.empty())
-  {
-    damage_ = damage;
-    return false;
-  }
+  if (!damage.empty()) return damage;
   frame.monotonic_ns = arrival;
   frame.sequence = sequence_++;
-  return true;
+  return "";
 }
 
 std::string LiveFrames::retrieveInto(cv::Mat& image)

@@ -10,14 +10,15 @@
 #include <thread>
 
 #include "robot_vision/camera/frame_source.hpp"
+#include "robot_vision/common/monotonic.hpp"
 
 namespace robot_vision
 {
 
 /// Reads a stream in a thread of its own, as fast as its frames come: what the reader is too slow for must neither wait
-/// at the sender, more of it each second, nor be taken for the present. A frame that comes while the reader works is
-/// kept for it, as frames come in bursts. If another comes meanwhile, the reader is too slow for the stream: until it
-/// is not, images are made only of frames that it waits for, so that a slow machine has more time to read.
+/// at the sender, more of it each second, nor be taken for the present. The newest frame that has come while the reader
+/// works is kept for it. No image is made of frames behind which, as it seems, another comes before the reader is back:
+/// a slow machine has more time to read.
 class LiveFrames
 {
 public:
@@ -25,9 +26,11 @@ public:
   using Grab = std::function<bool()>;
   /// Makes the image of the frame that was grabbed last, in memory that it may fill or replace; false if it is damaged.
   using Retrieve = std::function<bool(cv::Mat& image)>;
+  /// The time in ns.
+  using Clock = std::function<std::int64_t()>;
 
-  /// Both functions are called by the thread alone.
-  LiveFrames(Grab grab, Retrieve retrieve);
+  /// The first two functions are called by the thread alone.
+  LiveFrames(Grab grab, Retrieve retrieve, Clock now = monotonicNow);
   /// Waits for the end of the last call.
   ~LiveFrames();
 
@@ -40,20 +43,24 @@ public:
 private:
   void run();
   void readAll();
+  void follow(std::int64_t arrival);
   void give(std::int64_t arrival);
   void keep(std::int64_t arrival);
-  void leaveOut();
-  bool makeImage(Frame& frame, std::int64_t arrival);
+  bool mayBeWanted(std::int64_t arrival) const;
+  std::string makeImage(Frame& frame, std::int64_t arrival);
   std::string retrieveInto(cv::Mat& image);
 
   Grab grab_;
   Retrieve retrieve_;
-  Frame* awaited_ = nullptr;   // what the reader waits for
-  std::optional<Frame> kept_;  // what has come while it works
-  std::int64_t sequence_ = 0;  // of the next frame
-  bool behind_ = false;        // whether the reader is too slow for the stream
-  bool left_out_ = false;      // whether a frame was left out since it has waited for one
-  std::string damage_;         // that the reader has not been told
+  Clock now_;
+  Frame* awaited_ = nullptr;             // what the reader waits for
+  std::string damage_;                   // of the frame that it has waited for
+  std::optional<Frame> kept_;            // the newest that has come while it works
+  std::string kept_damage_;              // that it has not been told
+  std::int64_t sequence_ = 0;            // of the next frame
+  std::int64_t begin_ = 0, work_ = 0;    // ns, when the reader has begun to work, and for how long it did before
+  std::optional<std::int64_t> arrival_;  // ns, of the last frame
+  std::optional<std::int64_t> period_;   // ns, mean time between the last frames
   bool ended_ = false;
   bool stop_ = false;
   std::mutex mutex_;  // guards all above but the functions
