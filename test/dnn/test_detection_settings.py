@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from robot_vision.dnn.detection_settings import settings_of
+from robot_vision.dnn.detection_settings import MAX_BOXES, settings_of
 from robot_vision.ros.configs import ObjectDetectorConfig
 
 NAMES = ("cup", "fork")
@@ -38,6 +38,35 @@ def test_what_is_left_out_takes_the_place_of_nothing():
     assert (only.detection.score_threshold, only.detection.class_thresholds) == (0.2, {"cup": 1.0})
     assert only.detection.max_detections > 1
     assert [one.score for one in only.sure(found(1.0, 0.9, 0.8, 0.7))] == [0.9]
+
+
+def test_what_is_not_reported_is_followed():
+    """What counts is what is found, also if most of it is lost, unconfirmed or less sure."""
+    one = settings(max_detections=1)
+    assert one.tracker.max_boxes == one.detection.max_detections == MAX_BOXES
+    assert settings(max_detections=1, track=False).detection.max_detections == 1
+    assert settings(max_detections=5000).detection.max_detections == 5000
+
+
+def test_of_what_is_followed_the_surest_are_reported():
+    two = settings(max_detections=2, class_scores="fork: 0.9")
+    tracks = [
+        SimpleNamespace(id=number, class_id=class_id, score=score, lost=lost)
+        # Scores of the tracker: that of the fork, 4, is one of 0.96 of the network.
+        for number, class_id, score, lost in (
+            (2, 0, 0.7, False),
+            (3, 0, 0.9, True),
+            (4, 1, 0.8, False),
+            (7, 0, 0.85, False),
+        )
+    ]
+    assert [one.id for one in two.reported(tracks)] == [4, 7]
+    one = settings(max_detections=1, class_scores="fork: 0.9")
+    assert [one.id for one in one.reported(tracks)] == [4]
+    assert [one.id for one in settings(max_detections=4).reported(tracks)] == [2, 3, 4, 7]
+    seen = [one for one in tracks if one.id in (2, 3)]
+    assert [one.id for one in two.reported(seen)] == [2, 3]
+    assert [one.id for one in one.reported(seen)] == [2]
 
 
 def test_what_is_unsure_takes_the_place_of_nothing():

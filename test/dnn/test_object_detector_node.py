@@ -121,6 +121,18 @@ def test_things_are_followed(run):
     assert not objects.of(camera.show(networks.image_of([])).stamp).detections
 
 
+def test_of_what_is_followed_the_surest_is_reported_whichever_it_is(run):
+    _, camera, objects = run(topics=(("objects", DetectionArray),), min_hits=1, max_detections=1)
+    darker = IMAGE // 4 * 3
+    for first_is_surer in (True, False, True):
+        image = IMAGE.copy()
+        image[32:] = darker[32:]  # the second square
+        if not first_is_surer:
+            image[:32], image[32:] = darker[:32], IMAGE[32:]
+        (one,) = objects.of(camera.show(image).stamp).detections
+        assert (one.label, one.predicted) == ("red" if first_is_surer else "blue", False)
+
+
 def test_a_threshold_of_a_class_and_classes_that_are_left_out(run):
     _, camera, detections = run(topics=(("detections", DetectionArray),), track=False)
 

@@ -61,6 +61,14 @@ class Settings(NamedTuple):
             min(self.config["region_height"] or bottom, bottom),
         )
 
+    def reported(self, tracks: Sequence[BoxTrack]) -> List[BoxTrack]:
+        """Returns those that are reported of what is followed, in the order of their ids.
+
+        What the last result did not have gives way to what it had.
+        """
+        best = sorted(tracks, key=lambda one: (one.lost, -self.score_of_track(one)))
+        return sorted(best[: self.config["max_detections"]], key=lambda one: one.id)
+
     def sure(self, found: Sequence[FoundObject]) -> List[FoundObject]:
         """Returns those that are reported of what was found, the surest first."""
         sure = [one for one in found if self.thresholds.is_sure(one.class_id, one.score)]
@@ -93,8 +101,11 @@ def settings_of(config: Dict[str, Any], names: Sequence[str]) -> Settings:
     if config["only"].strip() or config["class_scores"].strip():
         # What is not reported may be surer than what is, and must not take its place.
         detection.max_detections = max(detection.max_detections, MAX_FOUND)
+    elif config["track"]:
+        # What is not among the surest in one result continues its track all the same.
+        detection.max_detections = max(detection.max_detections, MAX_BOXES)
     tracker = filled(BoxTrackerParams(), config)
     tracker.low_score, tracker.high_score = 0.0, SURE  # on the scale of ClassThresholds
-    tracker.max_boxes = min(config["max_detections"], MAX_BOXES)
+    tracker.max_boxes = MAX_BOXES  # as what is lost or unconfirmed must not take up the room
     BoxTracker(tracker)  # refuses them now, before some of the settings are put to use
     return Settings(thresholds, detection, config, tracker)

@@ -125,10 +125,13 @@ class ObjectDetector:
         return [seen_object(one, self._detector.name_of(one)) for one in self._settings.sure(found)]
 
     def _tell(self, frame: Frame, tracks: List[BoxTrack], found: Sequence[FoundObject]) -> None:
-        score = self._settings.score_of_track
+        settings = self._settings
         self._show(
             frame,
-            [seen_track(one, found, self._detector.name_of(one), score(one)) for one in tracks],
+            [
+                seen_track(one, found, self._detector.name_of(one), settings.score_of_track(one))
+                for one in settings.reported(tracks)
+            ],
         )
 
     def _show(self, frame: Frame, seen: List[Seen]) -> None:
