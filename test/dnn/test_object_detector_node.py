@@ -314,12 +314,21 @@ def answer_to_call(service, camera):
 
 
 def test_a_call_for_a_frame_that_cannot_be_searched_says_why(run):
-    _, camera = run(region_x=1000)
+    _, camera, _ = run(topics=(("objects", DetectionArray),), region_x=1000, diagnostic_period=0.05)
     service = rospy.ServiceProxy(f"{NAME}/detect", DetectObjects)
     service.wait_for_service(TIMEOUT)
     answer = answer_to_call(service, camera)
     assert not answer.success and not answer.objects.detections
     assert "region_x and region_y are 1000 and 0, outside of an image of 64x64" in answer.message
+    diagnostics = support.Messages("/diagnostics", DiagnosticArray)
+
+    def told():
+        """Whether what the network does is told, though it looks at no frame."""
+        camera.show(IMAGE)
+        statuses = [one for message in diagnostics.received for one in message.status]
+        return any(one.name == "object_detector: network" for one in statuses)
+
+    support.wait_for(told, "the status of the network")
 
 
 @pytest.mark.parametrize("track", [True, False])

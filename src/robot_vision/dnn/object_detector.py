@@ -75,19 +75,21 @@ class ObjectDetector:
             self._follower.clear()
 
     def _process(self, frame: Frame) -> None:
-        settings = self._settings
         try:
-            settings.region(frame.image)
-        except ValueError as error:
-            self._calls.offer(functools.partial(_raise, error))
-            raise FrameError(error) from None
-        try:
-            if settings.track:
+            self._require_region(frame)
+            if self._settings.track:
                 self._follower.offer(frame, self._calls.waiting)
             elif self._pace.is_due(frame.time, self._calls.waiting):
                 self._look_at_once(frame)
         finally:
             self._report.publish()
+
+    def _require_region(self, frame: Frame) -> None:
+        try:
+            self._settings.region(frame.image)
+        except ValueError as error:
+            self._calls.offer(functools.partial(_raise, error))
+            raise FrameError(error) from None
 
     def _look_at_once(self, frame: Frame) -> None:
         try:
