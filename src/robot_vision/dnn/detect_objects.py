@@ -15,7 +15,7 @@ from ..ros.context import current
 from ..ros.frame_calls import FrameCalls
 from ..srv import DetectObjects, DetectObjectsResponse
 
-TIMEOUT = 10.0  # s that a call waits for a frame and the network
+TIMEOUT = 10.0  # s that a call waits for a frame, without those in which the network runs
 
 
 class DetectService:

@@ -103,7 +103,7 @@ class ObjectDetector:
         """Returns what the network finds in a frame, and publishes it."""
         begin = time.monotonic()
         try:
-            with self._report.running():
+            with self._report.running(), self._calls.processing():
                 found = self._find(frame.image)
         except Exception as error:  # Of any kind, as the runtimes raise what they like.
             self._calls.offer(functools.partial(_raise, error), begin)
