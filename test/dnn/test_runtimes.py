@@ -321,6 +321,17 @@ def test_onnxruntime_has_as_many_threads_as_it_is_told(opened, threads):
     assert runtime._session.get_session_options().intra_op_num_threads == threads
 
 
+@needs_onnxruntime
+@pytest.mark.parametrize("threads", [0, 2])
+def test_the_threads_of_onnxruntime_stay_on_its_processors(opened, threads):
+    chosen = {min(os.sched_getaffinity(0))}
+    before = os.listdir("/proc/self/task")
+    _, _, runtime = opened(scores_graph(), "onnxruntime", threads=threads, affinity=sorted(chosen))
+    others = set(os.listdir("/proc/self/task")) - set(before)
+    assert [os.sched_getaffinity(int(one)) for one in others] == [chosen] * max(0, threads - 1)
+    assert runtime._session.get_session_options().intra_op_num_threads == (threads or 1)
+
+
 def found_in(folder, tmp_path):
     """What a new process finds if only this folder may have onnxruntime, and its sys.path then."""
     program = (

@@ -1,5 +1,6 @@
 """Networks run by onnxruntime (https://onnxruntime.ai)."""
 
+import os
 from typing import Sequence
 
 import numpy as np
@@ -35,7 +36,9 @@ class OnnxRuntime(Runtime):
         if module is None:
             raise ValueError(f"{reason}; {HINT}")
         options = module.SessionOptions()
-        options.intra_op_num_threads = threads
+        # Told 0, it would keep one on each core, also on those where this process must not run.
+        processors = self._affinity or os.sched_getaffinity(0)
+        options.intra_op_num_threads = threads or len(processors)
         options.inter_op_num_threads = 1
         options.log_severity_level = 4  # what it throws says the same
         level = getattr(module.GraphOptimizationLevel, OPTIMIZATIONS[optimization])
