@@ -303,6 +303,25 @@ def test_what_is_found_after_all_is_forgotten_does_not_count(rig):
     assert rig.told.empty()
 
 
+def test_frames_of_another_size_begin_anew(rig):
+    rig = rig()
+    for number in (0, 1):
+        rig.offer(number)
+        assert rig.asked() == number
+        if number == 0:
+            rig.answer(found_in(number))
+            assert len(rig.next()[1]) == 1
+    small = frame_of(2)
+    rig.follower.offer(Frame(NOISE[:60, :80], small.encoding, small.header))
+    told, tracks, _ = rig.next()
+    assert told == 1 and len(tracks) == 1  # of the old size, and so are the tracks
+    rig.answer(found_in(1))
+    assert rig.asked() == 2
+    rig.answer([])
+    assert rig.next() == (2, [], [])
+    assert rig.told.empty()
+
+
 def test_parameters_that_cannot_be_change_nothing(rig):
     rig = rig()
     bad = rv.BoxTrackerParams()

@@ -56,7 +56,8 @@ class FrameFollower:
     The network looks at the newest frame when it is done with the last one. Meanwhile the tracker
     says where things are now, by their velocity and the motion of the camera. A frame that the
     network looks at is told of when it has, or when the next frame comes if that is earlier. What
-    is found too late for its own frame is known from the next frame on. Thread-safe.
+    is found too late for its own frame is known from the next frame on. With frames of another size
+    all begins anew. Thread-safe.
 
     Args:
         look: A function that returns what the network finds in a frame. Only one thread calls it.
@@ -73,6 +74,7 @@ class FrameFollower:
         self._pace = Pace()
         self._score: Score = lambda found: found.score
         self._worker: Optional[threading.Thread] = None
+        self._size: Tuple[int, ...] = ()  # of the newest frame, px
         self._forget()
         self._ended = False
         current().on_end(self._end_thread)
@@ -98,6 +100,9 @@ class FrameFollower:
         time = frame.time
         with self._changed:
             self._tell_waiting([])
+            if frame.image.shape[:2] != self._size:
+                self.clear()  # Places in frames of another size say nothing of this one.
+                self._size = frame.image.shape[:2]
             warp = self._motion.update(frame.image, frame.encoding, self._boxes)
             tracks = self._tracker.predict(time, warp)
             self._boxes = [one.box for one in tracks]
