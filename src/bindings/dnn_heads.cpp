@@ -1,6 +1,5 @@
 #include <pybind11/stl.h>
 
-#include <algorithm>
 #include <array>
 #include <utility>
 #include <vector>
@@ -45,7 +44,7 @@ std::pair<double, double> overlapsOf(const Corners& first, const Corners& second
 {
   const BoxOutline a = toOutline(first), b = toOutline(second);
   const double shared = sharedArea(a, b), area_a = areaOf(a), area_b = areaOf(b);
-  return {shared / (area_a + area_b - shared), shared / std::min(area_a, area_b)};
+  return {shared / (area_a + area_b - shared), shared / area_a};
 }
 
 /// (k, 3) array.
@@ -98,7 +97,7 @@ void bindHeads(py::module& m)
 
   m.def("outline_overlaps", overlapsOf, "outline"_a, "other"_a,
         "Of two oriented boxes, (4, 2) arrays of corners, clockwise: the intersection over union, and over the area of "
-        "the smaller one.");
+        "the first one.");
 
   py::class_<HeadDecoder>(m, "HeadDecoder", "Makes objects of what a network gives.")
       .def(py::init<const HeadParams&>(), "params"_a = HeadParams(), "Raises ValueError for a parameter out of range.")

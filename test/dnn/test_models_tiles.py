@@ -69,6 +69,22 @@ def test_a_small_thing_before_a_large_one_stays_in_the_same_tile():
     assert together((small, LEFT), (large, LEFT)) == [small, large]
 
 
+@pytest.mark.parametrize("corners", [((0, 0), (1, 0), (1, 1), (0, 1)), ()])
+def test_a_small_thing_before_a_large_one_leaves_its_pieces(corners):
+    """However sure or unsure it is. A piece of it inside of it goes."""
+
+    def made(left, top, right, bottom, score):
+        sides = right - left, bottom - top
+        outline = [(left + x * sides[0], top + y * sides[1]) for x, y in corners]
+        return Found((left, top, right, bottom), score, outline=outline)
+
+    small = made(43, 20, 57, 60, 0.3)
+    left, right = made(5, 10, 60, 90, 0.9), made(40, 10, 95, 90, 0.8)
+    piece = made(40, 30, 48, 50, 0.5)
+    found = together((left, LEFT), (right, RIGHT), (small, LEFT), (small, RIGHT), (piece, RIGHT))
+    assert found == [left, right, small]
+
+
 def test_the_edge_of_the_region_cuts_nothing():
     sure, other = Found((42, 0, 58, 30), 0.9), Found((43, 3, 58, 30), 0.8)
     assert together((other, LEFT), (sure, RIGHT)) == [sure]

@@ -12,7 +12,7 @@ from .. import outline_overlaps
 Region = Tuple[int, int, int, int]  # x, y, width, height, px
 MAX_TILES = 64
 MAX_OVERLAP = 0.9
-COVERED = 0.7  # share of a box in that of another tile above which it is a part of the same thing
+COVERED = 0.7  # share of a box in one of another tile above which it is a part of the same thing
 MAX_FOUND = 4096  # objects that are compared, each with all others
 EDGE = 2.0  # px, how near to the edge of its tile a box is cut by it
 
@@ -93,8 +93,8 @@ def _cut_boxes(boxes: np.ndarray, tiles: np.ndarray, region: Region) -> np.ndarr
 
 
 def _overlaps(box: np.ndarray, others: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Returns intersection over union, and over the smaller of the two."""
+    """Returns the intersection over union, and over the area of the box alone."""
     sides = np.minimum(box[2:], others[:, 2:]) - np.maximum(box[:2], others[:, :2])
     common = np.prod(np.maximum(sides, 0.0), axis=1)
     area, areas = np.prod(box[2:] - box[:2]), np.prod(others[:, 2:] - others[:, :2], axis=1)
-    return common / (area + areas - common), common / np.minimum(area, areas)
+    return common / (area + areas - common), common / area
