@@ -9,6 +9,7 @@ from std_msgs.msg import Header
 from still_clock import StillClock
 
 from robot_vision.dnn.object_detector import ObjectDetector
+from robot_vision.msg import DetectionArray
 from robot_vision.ros import frame_calls
 from robot_vision.ros.frame_calls import FrameCalls
 from robot_vision.ros.transport import Frame
@@ -45,3 +46,16 @@ def test_a_call_is_late_by_the_time_in_which_the_network_does_not_run(clock, det
     assert detector._calls._waited(call) == 0.0
     clock.now += 3.0
     assert detector._calls._waited(call) == 3.0
+
+
+@pytest.mark.parametrize("wanted", [True, False])
+def test_the_message_of_a_frame_is_made_once_if_somebody_wants_it(detector, wanted):
+    made, published = [], []
+    detector._find = lambda _image: []
+    detector._array = lambda frame, _found: made.append(frame) or DetectionArray()
+    detector._found = SimpleNamespace(wanted=wanted, publish=published.append)
+    found, array = detector._looked(FRAME)
+    assert (found, made) == ([], [FRAME] * wanted)
+    message = array()
+    assert array() is message and made == [FRAME]
+    assert published == [message] * wanted

@@ -4,7 +4,7 @@ import functools
 import math
 import threading
 import time
-from typing import Any, Dict, List, NoReturn, Sequence
+from typing import Any, Callable, Dict, List, NoReturn, Sequence, Tuple
 
 import numpy as np
 import rospy
@@ -33,6 +33,8 @@ from .detector import NetworkDetector
 from .frame_follower import FrameFollower, Pace
 from .network_report import NetworkReport, facts_of
 from .network_settings import network_settings
+
+MakeArray = Callable[[], DetectionArray]
 
 
 class ObjectDetector:
@@ -93,14 +95,18 @@ class ObjectDetector:
 
     def _look_at_once(self, frame: Frame) -> None:
         try:
-            found = self._look(frame)
+            found, array = self._looked(frame)
         except Exception as error:  # Of any kind, as the runtimes raise what they like.
             self._report.add_failure(error)
             raise FrameError(f"the network has failed: {error}") from None
-        self._show(frame, self._seen(found))
+        self._show(frame, self._seen(found), array)
 
     def _look(self, frame: Frame) -> List[FoundObject]:
         """Returns what the network finds in a frame, and publishes it."""
+        return self._looked(frame)[0]
+
+    def _looked(self, frame: Frame) -> Tuple[List[FoundObject], MakeArray]:
+        """Looks at a frame; also returns a function that makes the message, at most once."""
         begin = time.monotonic()
         try:
             with self._report.running(), self._calls.processing():
@@ -109,10 +115,11 @@ class ObjectDetector:
             self._calls.offer(functools.partial(_raise, error), begin)
             raise
         self._report.add_run(time.monotonic() - begin)
-        self._calls.offer(lambda: self._array(frame, found), begin)
+        array = functools.lru_cache(None)(lambda: self._array(frame, found))
+        self._calls.offer(array, begin)
         if self._found.wanted:
-            self._found.publish(self._array(frame, found))
-        return found
+            self._found.publish(array())
+        return found, array
 
     def _find(self, bgr: np.ndarray) -> List[FoundObject]:
         settings = self._settings
@@ -128,17 +135,15 @@ class ObjectDetector:
 
     def _tell(self, frame: Frame, tracks: List[BoxTrack], found: Sequence[FoundObject]) -> None:
         settings = self._settings
-        self._show(
-            frame,
-            [
-                seen_track(one, found, self._detector.name_of(one), settings.score_of_track(one))
-                for one in settings.reported(tracks)
-            ],
-        )
+        seen = [
+            seen_track(one, found, self._detector.name_of(one), settings.score_of_track(one))
+            for one in settings.reported(tracks)
+        ]
+        self._show(frame, seen, lambda: _array_of(frame, seen))
 
-    def _show(self, frame: Frame, seen: List[Seen]) -> None:
+    def _show(self, frame: Frame, seen: List[Seen], array: MakeArray) -> None:
         if self._objects.get_num_connections():
-            self._objects.publish(_array_of(frame, seen))
+            self._objects.publish(array())
         watched = [overlay for overlay in self._overlays if overlay.get_num_connections()]
         if watched:
             drawn = frame.image.copy()
