@@ -480,6 +480,19 @@ def test_a_ball_in_images_of_another_size_is_another_one(start):
     assert overlay[150:].max() == 0
 
 
+def test_the_trail_of_a_ball_begins_anew_after_a_rest(start):
+    camera = Camera(10.0)
+    start("ball_tracker.py", "__name:=ball", f"image:={camera.topic}")
+    for x in (100, 540):
+        overlays = support.subscribed("/ball/processed_image", Image)
+        camera.wait_for()
+        stamp = camera.show(cv2.circle(np.zeros_like(DISC), (x, 240), 40, (255, 0, 0), -1)).stamp
+        overlay = pixels(overlays.of(stamp))
+        overlays.close()
+        camera.wait_for(0)
+    assert not overlay[:, 200:400].any()
+
+
 @pytest.mark.parametrize(
     "node, output, kind",
     [

@@ -54,7 +54,7 @@ class BallTracker:
         self._filter_params: Optional[BallTrackerParams] = None  # of the filter
         self._diameter = read_param("ball_diameter", 0.0, 0.0, MAX_DIAMETER, zero="unknown")
         self._ball_frame = read_name("ball_frame_id", "ball")
-        self._node = ImageNode(self._process)
+        self._node = ImageNode(self._process, idle=self._trail.clear)
         self._params = LiveParams(BallTrackerConfig, self._configure)
         self._objects = self._node.publisher("~objects", DetectionArray)
         self._mask = self._node.image_publisher("~mask")
