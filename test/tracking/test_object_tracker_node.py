@@ -450,10 +450,10 @@ def test_detections_of_images_without_stamps_are_those_of_the_newest_frame():
     assert used is frames[2].image
 
 
-def found_at(selection, selector, seconds, *boxes, image=BACKGROUND):
+def found_at(selection, selector, seconds, *boxes, image=BACKGROUND, predicted=False):
     """Has detections in a frame of this time, and the frame itself, come to an AutoSelection."""
     header = Header(stamp=rospy.Time.from_sec(seconds))
-    found = [Detection(box=box, id=-1) for box in boxes]
+    found = [Detection(box=box, id=-1, predicted=predicted) for box in boxes]
     selection.add(DetectionArray(header=header, detections=found))
     selection.select(Frame(image, "bgr8", header), selector.objects())
 
@@ -469,6 +469,45 @@ def test_what_was_found_before_a_gap_is_found_anew():
         found_at(selection, selector, seconds, place)
     assert not selector.selected
     found_at(selection, selector, 151.0, place)
+    assert len(selector.selected) == 1
+
+
+def test_what_is_predicted_is_no_gap_but_not_selected():
+    selector = Selector()
+    selection = AutoSelection(selector)
+    selection.configure("", 1, 0.5)
+    place = region(40, 80)
+    found_at(selection, selector, 1.0, place)
+    for seconds in (1.2, 1.5, 1.8):
+        found_at(selection, selector, seconds, place, predicted=True)
+    assert not selector.selected
+    seen = BACKGROUND.copy()
+    found_at(selection, selector, 1.9, place, image=seen)
+    (image,) = selector.images
+    assert image is seen
+
+
+def test_what_is_seen_only_afterwards_has_not_been_found_for_long():
+    selector = Selector()
+    selection = AutoSelection(selector)
+    selection.configure("", 1, 0.5)
+    place = region(40, 80)
+    found_at(selection, selector, 1.0, place, predicted=True)
+    for seconds in (1.4, 1.8):
+        found_at(selection, selector, seconds, place)
+    assert not selector.selected
+    found_at(selection, selector, 1.9, place)
+    assert len(selector.selected) == 1
+
+
+def test_what_is_predicted_is_selected_if_that_is_wanted():
+    selector = Selector()
+    selection = AutoSelection(selector)
+    selection.configure("", 1, 0.5, predicted=True)
+    for seconds in (1.0, 1.4):
+        found_at(selection, selector, seconds, region(40, 80), predicted=True)
+    assert not selector.selected
+    found_at(selection, selector, 1.5, region(40, 80), predicted=True)
     assert len(selector.selected) == 1
 
 

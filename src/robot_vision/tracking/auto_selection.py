@@ -34,7 +34,8 @@ class AutoSelection:
     """Selects detections that no tracked object covers, in the frame in which they were found.
 
     A false detection seldom comes twice in the same place. Therefore only detections are selected
-    that were found for some time.
+    that were found for some time. One that is only predicted in a frame is no gap, but is not
+    selected there, as something else may be in its place.
 
     Args:
         tracker: The tracker of the objects. It must not be in use by others during select().
@@ -45,6 +46,7 @@ class AutoSelection:
         self._label = ""
         self._most = 1
         self._after = 0.0  # s
+        self._predicted = False
         self._candidates: List[Candidate] = []
         self._looked_at = -math.inf  # s, the frame of the last message
         self._own: Set[int] = set()  # ids of the objects that were selected here
@@ -54,17 +56,19 @@ class AutoSelection:
         # The last frames with the outlines of the objects tracked in them.
         self._frames: Deque[Tuple[Frame, List[np.ndarray]]] = collections.deque(maxlen=HISTORY)
 
-    def configure(self, label: str, most: int, after: float) -> None:
+    def configure(self, label: str, most: int, after: float, predicted: bool = False) -> None:
         """Sets what is selected.
 
         Args:
             label: Only detections with this label are selected; "" selects all.
             most: The largest number of objects selected here.
             after: The time in s for which a detection must have been found without a gap.
+            predicted: Whether a detection that is predicted counts as found.
         """
         self._label = label
         self._most = most
         self._after = after
+        self._predicted = predicted
 
     def add(self, detections: DetectionArray) -> None:
         """Takes detections; may be called by another thread."""
@@ -98,12 +102,14 @@ class AutoSelection:
         has_paused = abs(now - self._looked_at) >= INPUT_TIMEOUT
         before = [] if has_paused else self._candidates
         self._looked_at = now
-        self._candidates = [
-            Candidate(
-                one, min([now, *(old.since for old in before if is_same(old.detection, one))])
-            )
-            for one in self._best(detections)
-        ]
+        self._candidates = []
+        for one in self._best(detections):
+            since = [old.since for old in before if is_same(old.detection, one)]
+            if since or self._is_found(one):
+                self._candidates.append(Candidate(one, min([now, *since])))
+
+    def _is_found(self, detection: Detection) -> bool:
+        return self._predicted or not detection.predicted
 
     def _best(self, detections: List[Detection]) -> List[Detection]:
         wanted = [one for one in detections if self._label in ("", one.label)]
@@ -119,7 +125,9 @@ class AutoSelection:
     def _select_uncovered(self, number: int) -> None:
         frame, outlines = self._frames[number]
         for found, since in self._candidates:
-            if frame.time - since < self._after or is_covered(found, outlines):
+            if frame.time - since < self._after or not self._is_found(found):
+                continue
+            if is_covered(found, outlines):
                 continue
             full = len(self._own) >= self._most or len(self._tracker.objects()) >= MAX_OBJECTS
             if full and not self._lost:

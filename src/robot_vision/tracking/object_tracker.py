@@ -53,7 +53,12 @@ class ObjectTracker:
             self._tracker.configure(filled(ObjectTrackerParams(), config))
             self._config = config
             self._selections.replaces = not config["several"]
-            self._auto.configure(config["auto_label"], config["max_objects"], config["auto_after"])
+            self._auto.configure(
+                config["auto_label"],
+                config["max_objects"],
+                config["auto_after"],
+                config["auto_predicted"],
+            )
             if config["auto_select"] and self._detections is None:
                 self._detections = current().subscriber(
                     "detections", DetectionArray, self._auto.add, queue_size=10, tcp_nodelay=True
