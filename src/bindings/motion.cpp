@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include "arrays.hpp"
+#include "leave_gil.hpp"
 #include "params.hpp"
 #include "registry.hpp"
 
@@ -24,6 +25,9 @@ void bindMotion(py::module& m)
 
   py::class_<MotionDetector>(m, "MotionDetector", "Finds what moves by comparing each frame with a background.")
       .def(py::init<const MotionParams&>(), "params"_a = MotionParams())
+      .def("configure", &MotionDetector::configure, "params"_a, Unlocked(),
+           "Parameters from the next frame on. The background stays, but not for another method.\n\nRaises ValueError "
+           "for one out of range.")
       .def("update", withArray(&MotionDetector::update), "time"_a, "image"_a, "encoding"_a = "bgr8",
            "The Motion in the frame of a time, s. The first frame, one of another size and one of an earlier time are "
            "new backgrounds.\n\nRaises ValueError for an image that is not of this encoding, and for a time that is "

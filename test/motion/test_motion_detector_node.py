@@ -128,17 +128,19 @@ def test_light_is_reported_as_such(start):
     assert not state.everywhere and state.changed == 0.0
 
 
-def test_method_is_changed_live(start):
+def test_parameters_are_changed_live_before_the_same_background(start):
     room = Room(start)
     client = dynamic_reconfigure.client.Client("/motion", timeout=support.DEADLINE)
     room.show(EMPTY)
     assert len(room.show(with_box())[0].detections) == 1
+    client.update_configuration({"threshold": 40.0, "blur_size": 15})
+    assert len(room.show(with_box())[0].detections) == 1  # still before the first frame
     client.update_configuration({"method": "previous_frame"})
-    room.show(EMPTY)  # the background of a new detector
+    room.show(EMPTY)  # the background of another method
     assert len(room.show(with_box())[0].detections) == 1
     assert not room.show(with_box())[0].detections
     config = client.update_configuration({"method": "magic", "blur_size": 20})
-    assert (config["method"], config["blur_size"]) == ("previous_frame", 21)
+    assert (config["method"], config["blur_size"]) == ("previous_frame", 15)
     room.process.wait_for_output("refused, the parameters stay as they are: ")
     client.close()
 

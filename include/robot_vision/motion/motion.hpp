@@ -69,6 +69,10 @@ public:
   explicit MotionDetector(const MotionParams& params = MotionParams());
   ~MotionDetector();
 
+  /// Sets the parameters from the next frame on. The background stays, but not for another method: the next frame is
+  /// then the background. Throws std::invalid_argument as validate() does, and changes nothing.
+  void configure(const MotionParams& params);
+
   /// The motion in the frame of `time_s` (s, of any clock). Nothing moves in the first frame, in one of another size
   /// or encoding than the last, and when time has gone back: each is a new background. `image` is not modified.
   /// Throws std::invalid_argument if `image` is not an image of `encoding` (see encoding.hpp), or `time_s` not finite.

@@ -14,23 +14,36 @@ namespace
 
 constexpr double kOutlineError = 1.0;  // px; the blur has moved the outline by more than that
 
+RegionFinder finderOf(const MotionParams& params)
+{
+  return RegionFinder({params.min_area, /*opening=*/1, /*closing=*/1});
+}
+
 }  // namespace
 
 struct MotionDetector::Impl
 {
-  explicit Impl(const MotionParams& p) : params(p), finder({p.min_area, /*opening=*/1, /*closing=*/1}), background(p) {}
+  explicit Impl(const MotionParams& p) : params(p), finder(finderOf(p)), background(p) {}
+
+  void configure(const MotionParams& p)
+  {
+    if (p.method != params.method) everywhere_since.reset();
+    params = p;
+    finder = finderOf(p);
+    background.configure(p);
+  }
 
   Motion update(double time_s, const cv::Mat& image, const std::string& encoding)
   {
     requireFinite("time_s", time_s);
     const EncodedImage frame = background.prepare(image, encoding);
-    const bool is_new = time_s < last_time || !background.fits(frame);
+    const bool is_new = time_s < last_time || !background.fits(frame, encoding);
     last_time = time_s;
     Motion motion;
     motion.mask = writableMask(frame.pixels.size());
     if (is_new)
     {
-      begin(frame);
+      begin(frame, encoding);
       motion.mask.setTo(0);
       return motion;
     }
@@ -38,7 +51,7 @@ struct MotionDetector::Impl
     motion.changed = cv::countNonZero(motion.mask(part)) / static_cast<double>(motion.mask.total());
     motion.everywhere = motion.changed > params.max_changed;
     if (motion.everywhere)
-      settle(time_s, frame);
+      settle(time_s, frame, encoding);
     else
     {
       everywhere_since.reset();
@@ -47,17 +60,17 @@ struct MotionDetector::Impl
     return motion;
   }
 
-  void begin(const EncodedImage& frame)
+  void begin(const EncodedImage& frame, const std::string& encoding)
   {
     everywhere_since.reset();
-    background.begin(frame);
+    background.begin(frame, encoding);
   }
 
   /// Takes what is seen for the new background once the whole image has differed from the old one for long enough.
-  void settle(double time_s, const EncodedImage& frame)
+  void settle(double time_s, const EncodedImage& frame, const std::string& encoding)
   {
     if (!everywhere_since) everywhere_since = time_s;
-    if (time_s - *everywhere_since >= params.settle) begin(frame);
+    if (time_s - *everywhere_since >= params.settle) begin(frame, encoding);
   }
 
   /// The regions of the mask, which is black outside of `part`, with simplified outlines.
@@ -93,6 +106,12 @@ MotionDetector::MotionDetector(const MotionParams& params)
 }
 
 MotionDetector::~MotionDetector() = default;
+
+void MotionDetector::configure(const MotionParams& params)
+{
+  validate(params);
+  impl_->configure(params);
+}
 
 Motion MotionDetector::update(double time_s, const cv::Mat& image, const std::string& encoding)
 {

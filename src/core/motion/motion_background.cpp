@@ -41,6 +41,13 @@ double modelRate(double learning_rate, double background_ratio)
 
 }  // namespace
 
+void MotionBackground::configure(const MotionParams& params)
+{
+  if (params.method != params_.method) clear();
+  params_ = params;
+  if (!reference_.blurred.empty()) reference_.blurred = blurred(reference_.gray, params_.blur_size);
+}
+
 EncodedImage MotionBackground::prepare(const cv::Mat& image, const std::string& encoding)
 {
   checkPixels(image, encoding);
@@ -51,10 +58,10 @@ EncodedImage MotionBackground::prepare(const cv::Mat& image, const std::string& 
   return {buffer_.gray(image, encoding), "mono8"};
 }
 
-void MotionBackground::begin(const EncodedImage& image)
+void MotionBackground::begin(const EncodedImage& image, const std::string& encoding)
 {
   clear();  // until the new background is complete
-  encoding_ = image.encoding;
+  encoding_ = encoding;
   if (params_.method == "mog2")
   {
     mog2_ = cv::createBackgroundSubtractorMOG2();
@@ -70,6 +77,13 @@ void MotionBackground::begin(const EncodedImage& image)
     if (params_.method == "running_average") reference_.gray.convertTo(average_, CV_32F);
   }
   size_ = image.pixels.size();
+}
+
+void MotionBackground::clear()
+{
+  size_ = {};
+  reference_ = {};
+  mog2_.release();
 }
 
 cv::Rect MotionBackground::compare(const EncodedImage& image, cv::Mat& mask)

@@ -18,17 +18,23 @@ public:
   /// The parameters must be valid.
   explicit MotionBackground(const MotionParams& params) : params_(params) {}
 
+  /// Keeps the background, but not for another method. The parameters must be valid.
+  void configure(const MotionParams& params);
+
   /// The image in the encoding in which it is compared, valid until the next call. May share the pixels of `image`.
   EncodedImage prepare(const cv::Mat& image, const std::string& encoding);
 
-  /// Whether there is a background that a prepared image can be compared with.
-  bool fits(const EncodedImage& image) const { return size_ == image.pixels.size() && encoding_ == image.encoding; }
+  /// Whether there is a background that a prepared image can be compared with, which had this encoding before.
+  bool fits(const EncodedImage& image, const std::string& encoding) const
+  {
+    return size_ == image.pixels.size() && encoding_ == encoding;
+  }
 
-  /// Makes a prepared image the background.
-  void begin(const EncodedImage& image);
+  /// Makes a prepared image the background, which had this encoding before.
+  void begin(const EncodedImage& image, const std::string& encoding);
 
   /// Forgets the background.
-  void clear() { size_ = {}; }
+  void clear();
 
   /// Writes into the mask, CV_8UC1 of the same size, where a prepared image differs from the background, and lets the
   /// background learn from the image. Returns a part outside of which the mask is black.
@@ -42,7 +48,7 @@ private:
   MotionParams params_;
   ConversionBuffer buffer_;
   cv::Size size_;         // of the image that is the background, empty if there is none
-  std::string encoding_;  // of the same
+  std::string encoding_;  // of the same before it was prepared
   FrameDifference difference_;
   Reference reference_;  // blurred for first_frame only: with the other methods it changes in every frame
   cv::Mat average_;      // CV_32FC1, the reference before it is rounded

@@ -1,8 +1,9 @@
 """The node motion_detector, which finds what moves in the view of a fixed camera."""
 
 import math
+import threading
 import time
-from typing import Any, Dict, Optional
+from typing import Any, Dict
 
 import rospy
 from std_srvs.srv import Trigger, TriggerResponse
@@ -30,7 +31,8 @@ class MotionDetector:
     def __init__(self) -> None:
         self._moved = -math.inf  # s, the last motion
         self._shall_reset = False
-        self._used: Optional[MotionParams] = None
+        self._lock = threading.Lock()  # guards the detector
+        self._detector = Detector()
         self._params = LiveParams(MotionDetectorConfig, self._configure)
         self._node = ImageNode(self._process, idle=self._on_idle)
         self._motion = self._node.publisher("~motion", DetectionArray)
@@ -41,18 +43,18 @@ class MotionDetector:
         self._node.start()
 
     def _configure(self, config: Dict[str, Any]) -> None:
-        used = filled(MotionParams(), config)
-        if used != self._used:  # A new detector has no background, so it is made only if needed.
-            self._detector = Detector(used)
-            self._used = used
+        with self._lock:
+            self._detector.configure(filled(MotionParams(), config))  # The background stays.
+        self._method = config["method"]
         self._hold = config["hold"]
 
     def _process(self, frame: Frame) -> None:
-        if self._shall_reset:
-            self._shall_reset = False
-            self._detector.reset()
         now = frame.time
-        motion = self._detector.update(now, frame.image)
+        with self._lock:
+            if self._shall_reset:
+                self._shall_reset = False
+                self._detector.reset()
+            motion = self._detector.update(now, frame.image)
         if motion.everywhere:
             rospy.logwarn_throttle(5.0, "the whole image changes: the light, or the camera moves")
         if motion.regions or now < self._moved:
@@ -78,7 +80,7 @@ class MotionDetector:
 
     def _on_idle(self) -> None:
         # The next frame may come much later, and what has changed until then is no motion.
-        if self._used.method != KEPT_METHOD:
+        if self._method != KEPT_METHOD:
             self._shall_reset = True
 
     def _on_reset(self, _request: Any) -> TriggerResponse:

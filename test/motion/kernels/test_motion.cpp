@@ -369,6 +369,46 @@ TEST(MotionDetector, comparesWithTheFirstOrThePreviousFrame)
   EXPECT_EQ(regions(first, 6.0, empty), 1U);
 }
 
+TEST(MotionDetector, otherParametersAreAsIfTheyHadBeenThereFromTheBeginning)
+{
+  const cv::Mat empty = smooth({160, 120}), full = withBox(empty, {40, 30, 50, 50});
+  const std::vector<std::string> methods = {"first_frame", "previous_frame", "running_average", "mog2"};
+  for (const std::string& method : methods)
+  {
+    MotionParams before{method}, after{method};
+    after.blur_size = 7;
+    after.threshold = 40.0;
+    after.dilate = 5;
+    after.min_area = 100.0;
+    after.ignore_light = true;
+    MotionDetector detector(before), expected(after);
+    for (MotionDetector* one : {&detector, &expected})
+      one->update(0.0, empty, "bgr8");
+    detector.configure(after);
+    const Motion motion = detector.update(1.0, full, "bgr8"), same = expected.update(1.0, full, "bgr8");
+    EXPECT_FALSE(same.regions.empty()) << method;
+    EXPECT_TRUE(equal(motion.mask, same.mask)) << method;
+    EXPECT_EQ(motion.regions.size(), same.regions.size()) << method;
+  }
+}
+
+TEST(MotionDetector, anotherMethodIsANewBackgroundAndWhatIsRefusedChangesNothing)
+{
+  const cv::Mat empty = smooth({160, 120}), full = withBox(empty, {40, 30, 50, 50});
+  const std::vector<std::string> methods = {"mog2", "previous_frame", "first_frame", "running_average", "mog2"};
+  MotionDetector detector;
+  double time = 0.0;
+  for (const std::string& method : methods)
+  {
+    detector.configure(MotionParams{method});
+    EXPECT_EQ(detector.update(++time, empty, "bgr8").changed, 0.0) << method;
+    EXPECT_THROW(detector.configure(MotionParams{"magic"}), std::invalid_argument);
+    MotionDetector expected(MotionParams{method});
+    expected.update(0.0, empty, "bgr8");
+    EXPECT_TRUE(equal(detector.update(++time, full, "bgr8").mask, expected.update(1.0, full, "bgr8").mask)) << method;
+  }
+}
+
 TEST(MotionDetector, boxesWhatMoved)
 {
   const cv::Mat empty(240, 320, CV_8UC3, cv::Scalar::all(40));
