@@ -27,7 +27,7 @@ def draw_seen(bgr: np.ndarray, seen: Sequence[Seen]) -> None:
 
     Args:
         bgr: The image, (height, width, 3) uint8, which is changed.
-        seen: What there is in it, the most important first, which is drawn last.
+        seen: What there is in it; the first one is drawn last.
     """
     for one in reversed(seen):
         color = class_color(one.class_id)
