@@ -73,7 +73,7 @@ class Watched:
 
         def answered():
             stamp = self.show(depth, encoding)
-            if color is not None and "points" in self.topics:
+            if color is not None:
                 self.cameras.send("rgb", color, "bgr8", stamp)
             stamps.append(stamp)
             return any(self.complete(one) for one in stamps)
@@ -122,14 +122,32 @@ def test_all_topics_of_a_frame(start, depth, encoding, published):
     assert_cloud(found["points"], expected, COLORS)
 
 
-def test_of_binned_pixels_the_camera_info_of_the_whole_sensor_is_known(start):
+@pytest.mark.parametrize("color", [COLORS, None])
+def test_of_binned_pixels_the_camera_info_of_the_whole_sensor_is_known(start, color):
     watched = Watched(start, topics=("image_raw", "camera_info"))
     given = watched.cameras.calibration
     watched.cameras.calibration = {name: of_whole_sensor(info) for name, info in given.items()}
-    found = watched.answers()
+    found = watched.answers(color=color)
     assert same(pixels(found["image_raw"]), expected_of(MILLIMETRES))
     for name in ("width", "height", "binning_x", "binning_y", "D", "K", "P"):
         assert getattr(found["camera_info"], name) == pytest.approx(getattr(given["rgb"], name))
+
+
+def test_of_binned_pixels_the_camera_info_of_the_images_is_known(start):
+    watched = Watched(start, topics=("image_raw", "camera_info"))
+    cameras = watched.cameras
+    given = cameras.calibration["rgb"]
+    given.binning_x = given.binning_y = 2
+
+    def known():
+        found = watched.answers()
+        return same(pixels(found["image_raw"]), expected_of(MILLIMETRES)) and found["camera_info"]
+
+    registered = support.wait_for(known, "the size of the color images")
+    for name in ("width", "height", "binning_x", "binning_y", "D", "K", "P"):
+        assert np.array_equal(getattr(registered, name), getattr(given, name)), name
+    node, color = f"{cameras.namespace}/registration", cameras.topic("rgb", "image_raw")
+    support.wait_for(lambda: node not in subscriptions(cameras).get(color, []), "its end")
 
 
 def test_points_without_colors_do_not_wait_for_any(start):

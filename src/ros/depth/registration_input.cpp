@@ -42,6 +42,7 @@ RegistrationInput::RegistrationInput(const ros::NodeHandle& nh, const ros::NodeH
     diagnostics_(nh, pnh, name),
     it_(nh),
     hints_(readTransport(it_, pnh, "depth_image_transport")),
+    color_hints_(readTransport(it_, pnh)),
     topics_(nh),
     subscriber_(nh, pnh, diagnostics_.statistics(), std::move(is_wanted), [this](bool wanted) { listen(wanted); })
 {
@@ -92,21 +93,21 @@ void RegistrationInput::subscribe()
 void RegistrationInput::unsubscribe()
 {
   depth_subscription_.shutdown();
+  color_subscription_.shutdown();
   endSubscription(depth_info_subscription_);
   endSubscription(color_info_subscription_);
   depth_info_.reset();
   color_info_.reset();
+  color_size_ = cv::Size();
 }
 
 void RegistrationInput::onDepth(const sensor_msgs::ImageConstPtr& message)
 {
   const auto begin = FrameStatistics::Clock::now();
   diagnostics_.statistics().received(message->header.seq);
-  const bool waits = !depth_info_ || !color_info_;
-  waiting_ = waits ? waiting_ + 1 : 0;
-  if (waits && waiting_ < kMaxWaiting) return;  // it may be on its way
   try
   {
+    if (waits()) return;
     if (process(message)) diagnostics_.statistics().published(begin, message->header.stamp);
   }
   catch (const std::exception& e)
@@ -117,13 +118,40 @@ void RegistrationInput::onDepth(const sensor_msgs::ImageConstPtr& message)
   }
 }
 
+/// Whether something that a depth image needs may be on its way.
+bool RegistrationInput::waits()
+{
+  lookForColorSize();
+  const bool complete = depth_info_ && color_info_ && !needsColorSize();
+  waiting_ = complete ? 0 : waiting_ + 1;
+  return !complete && waiting_ < kMaxWaiting;
+}
+
+/// Whether the color camera's camera_info may be that of the whole sensor, or of images whose size is not known yet.
+bool RegistrationInput::needsColorSize() const
+{
+  return color_info_ && hasWindow(*color_info_) && color_size_.empty();
+}
+
+/// Subscribes to the color images as long as their size is needed.
+void RegistrationInput::lookForColorSize()
+{
+  const bool needs = needsColorSize();
+  if (needs == static_cast<bool>(color_subscription_)) return;
+  color_subscription_.shutdown();
+  if (!needs) return;
+  const auto note = [this](const sensor_msgs::ImageConstPtr& message)
+  { color_size_ = cv::Size(static_cast<int>(message->width), static_cast<int>(message->height)); };
+  color_subscription_ = ImageSubscription(nh_, it_, "rgb/image_raw", color_hints_, note);
+}
+
 bool RegistrationInput::process(const sensor_msgs::ImageConstPtr& message)
 {
   if (!depth_info_) throw std::invalid_argument("nothing has come on " + topics_.depth_info);
   if (!color_info_) throw std::invalid_argument("nothing has come on " + topics_.color_info);
   const cv::Mat image = viewAnyPixels(*message);
-  return process_(
-      {message, image, ofImages(depth_info_, image.size()), ofImages(color_info_), &diagnostics_.statistics()});
+  return process_({message, image, ofImages(depth_info_, image.size()), ofImages(color_info_, color_size_),
+                   &diagnostics_.statistics()});
 }
 
 }  // namespace robot_vision

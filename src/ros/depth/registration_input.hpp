@@ -38,12 +38,14 @@ struct RegistrationFrame
 
 /// The depth images on depth/image_raw, over ~depth_image_transport, and the calibrations on depth/camera_info and
 /// rgb/camera_info, to which it subscribes only while the node's results are wanted, or always if ~always_subscribe is
-/// set. A camera_info that is not remapped is expected beside its image. A depth image that cannot be used is refused,
-/// logged and counted; so is that no calibration comes.
+/// set. A camera_info that is not remapped is expected beside its image. If that of the color camera has a binning or a
+/// region, the size of an image on rgb/image_raw, over ~image_transport, tells whether it is that of the images; if
+/// none comes, it is taken for that of the whole sensor. A depth image that cannot be used is refused, logged and
+/// counted; so is that no calibration comes.
 class RegistrationInput
 {
 public:
-  static constexpr std::size_t kMaxWaiting = 20;  // depth images in a row without a calibration, until that is told
+  static constexpr std::size_t kMaxWaiting = 20;  // depth images in a row that lack something, until none waits
 
   /// Processes a frame. Returns whether anything was published; it may throw std::exception to refuse it.
   using Process = std::function<bool(const RegistrationFrame& frame)>;
@@ -65,6 +67,9 @@ private:
   void subscribe();
   void unsubscribe();
   void onDepth(const sensor_msgs::ImageConstPtr& message);
+  bool waits();
+  bool needsColorSize() const;
+  void lookForColorSize();
   bool process(const sensor_msgs::ImageConstPtr& message);
 
   ros::NodeHandle nh_;
@@ -75,11 +80,14 @@ private:
   Throttle throttle_;
   image_transport::ImageTransport it_;
   const image_transport::TransportHints hints_;
+  const image_transport::TransportHints color_hints_;
   RegistrationTopics topics_;
-  std::size_t waiting_ = 0;  // depth images without a calibration, in a row
+  std::size_t waiting_ = 0;  // depth images in a row that lack something
   sensor_msgs::CameraInfoConstPtr depth_info_;
   sensor_msgs::CameraInfoConstPtr color_info_;
+  cv::Size color_size_;  // of the color images; empty until it is asked for and known
   ImageSubscription depth_subscription_;
+  ImageSubscription color_subscription_;  // while that size is looked for
   ros::Subscriber depth_info_subscription_;
   ros::Subscriber color_info_subscription_;
   LazySubscriber subscriber_;  // calls listen()

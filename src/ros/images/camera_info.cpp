@@ -13,6 +13,16 @@
 
 namespace robot_vision
 {
+namespace
+{
+
+/// Whether the images are of a region of the sensor.
+bool hasRegion(const sensor_msgs::CameraInfo& info)
+{
+  return info.roi.width != 0 && info.roi.height != 0;
+}
+
+}  // namespace
 
 CameraModel cameraModel(const sensor_msgs::CameraInfo& info)
 {
@@ -26,14 +36,18 @@ CameraModel cameraModel(const sensor_msgs::CameraInfo& info)
   return model;
 }
 
+bool hasWindow(const sensor_msgs::CameraInfo& info)
+{
+  return info.binning_x > 1 || info.binning_y > 1 || hasRegion(info);
+}
+
 sensor_msgs::CameraInfoConstPtr ofImages(const sensor_msgs::CameraInfoConstPtr& info, const cv::Size& size)
 {
-  const sensor_msgs::RegionOfInterest& roi = info->roi;
-  const bool whole = roi.width == 0 || roi.height == 0;
-  const std::uint32_t columns = std::max(info->binning_x, 1U), rows = std::max(info->binning_y, 1U);  // of a pixel
   const bool is_theirs = cv::Size2d(info->width, info->height) == cv::Size2d(size);
-  if (is_theirs || (whole && columns == 1 && rows == 1)) return info;
+  if (is_theirs || !hasWindow(*info)) return info;
 
+  const sensor_msgs::RegionOfInterest& roi = info->roi;
+  const std::uint32_t columns = std::max(info->binning_x, 1U), rows = std::max(info->binning_y, 1U);  // of a pixel
   const auto made = boost::make_shared<sensor_msgs::CameraInfo>(*info);
   const cv::Matx33d binning(1.0 / columns, 0.0, 0.0, 0.0, 1.0 / rows, 0.0, 0.0, 0.0, 1.0);
   const cv::Matx33d region(1.0, 0.0, -1.0 * roi.x_offset, 0.0, 1.0, -1.0 * roi.y_offset, 0.0, 0.0, 1.0);
@@ -41,8 +55,8 @@ sensor_msgs::CameraInfoConstPtr ofImages(const sensor_msgs::CameraInfoConstPtr& 
   const cv::Matx34d P = binning * region * cv::Matx34d(info->P.data());
   std::copy_n(K.val, made->K.size(), made->K.begin());
   std::copy_n(P.val, made->P.size(), made->P.begin());
-  made->width = (whole ? info->width : roi.width) / columns;
-  made->height = (whole ? info->height : roi.height) / rows;
+  made->width = (hasRegion(*info) ? roi.width : info->width) / columns;
+  made->height = (hasRegion(*info) ? roi.height : info->height) / rows;
   made->binning_x = made->binning_y = 0;
   made->roi = sensor_msgs::RegionOfInterest();
   return made;

@@ -16,6 +16,10 @@ namespace robot_vision
 /// The camera of a camera_info, as it is: validate() says whether there can be such a camera.
 CameraModel cameraModel(const sensor_msgs::CameraInfo& info);
 
+/// Whether a camera_info has a binning or a region. Then it is that of the whole sensor (REP 104) or, of some drivers,
+/// that of the images.
+bool hasWindow(const sensor_msgs::CameraInfo& info);
+
 /// The camera_info of the pixels of images. A driver that bins pixels, or gives a region, has that of the whole sensor
 /// in it (REP 104): then size, K and P are those of the images, as image_geometry takes them, and binning and roi are
 /// gone. It stays as it is where its own size is already `size`, that of the images if it is known.
