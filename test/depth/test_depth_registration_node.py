@@ -373,7 +373,7 @@ def test_colors_whose_stamps_never_meet_are_told(start, diagnostics):
     support.wait_for(told, "what is wrong")
     depth, color = (watched.cameras.topic(camera, "image_raw") for camera in SIZES)
     output = watched.process.output()
-    assert f"no colors of points: the stamps on {depth} and {color} do not meet: " in output
+    assert f" images: the stamps on {depth} and {color} do not meet: " in output
     assert " s, must be at most slop, 0.01 s, apart" in output
     assert not watched.topics["points"].received
     support.wait_for(

@@ -158,14 +158,32 @@ TEST(ColorPairs, tellWhyThereAreNone)
     told_of_none = none.pairs.problem("/d", "/c");
     told_of_late = late.pairs.problem("/d", "/c");
   }
-  EXPECT_EQ(told_of_none, "nothing has come on /c");
+  EXPECT_EQ(told_of_none, "no colors of points for 20 images: nothing has come on /c");
   EXPECT_EQ(told_of_late,
-            "the stamps on /d and /c do not meet: the newest are 2.900000000 s and 2.950000000 s, must be "
-            "at most slop, 0.02 s, apart");
-  none.depth(3000);
-  EXPECT_EQ(none.pairs.problem("/d", "/c"), "nothing has come on /c");  // of each from now on
+            "no colors of points for 20 images: the stamps on /d and /c do not meet: the newest are 2.900000000 s and "
+            "2.950000000 s, must be at most slop, 0.02 s, apart");
+  none.depth(3000);  // each is told of from now on
+  EXPECT_EQ(none.pairs.problem("/d", "/c"), "no colors of points for 21 images: nothing has come on /c");
   none.color(3000);
   EXPECT_EQ(none.pairs.problem("/d", "/c"), "");
+}
+
+TEST(ColorPairs, tellSinceHowManyDepthsAColorThatComesSeldomHasBeenMissing)
+{
+  Cameras cameras(0.02);
+  std::string told;
+  for (int i = 0; i < 90; ++i)
+  {
+    if (i % 30 == 0) cameras.color(1000 + 33 * i);
+    cameras.depth(1000 + 33 * i);
+    const std::string problem = cameras.pairs.problem("/d", "/c");
+    EXPECT_EQ(problem.empty(), i % 30 < static_cast<int>(ColorPairs::kMaxUnpaired)) << i;
+    if (!problem.empty()) told = problem;
+  }
+  EXPECT_EQ(cameras.found, "1000-1000 1990-1990 2980-2980 ");
+  EXPECT_EQ(told,
+            "no colors of points for 29 images: the stamps on /d and /c do not meet: the newest are 3.937000000 s and "
+            "2.980000000 s, must be at most slop, 0.02 s, apart");
 }
 
 TEST(ColorPairs, tellThatDepthsComeTooLate)
@@ -180,8 +198,8 @@ TEST(ColorPairs, tellThatDepthsComeTooLate)
     told = cameras.pairs.problem("/d", "/c");
   }
   EXPECT_EQ(told,
-            "the images on /d come too late: the newest is of 1.627000000 s, and of those on /c only 4 are "
-            "kept, from 1.794000000 s on");
+            "no colors of points for 20 images: the images on /d come too late: the newest is of 1.627000000 s, and of "
+            "those on /c only 4 are kept, from 1.794000000 s on");
 }
 
 TEST(ColorPairs, canBeForgotten)

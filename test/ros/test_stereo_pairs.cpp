@@ -187,32 +187,32 @@ TEST(StereoPairs, tellWhyThereAreNone)
     return told;
   };
   EXPECT_EQ(problem(0.0, [](Cameras& cameras, double time) { cameras.both(kLeft, time); }),
-            "nothing has come on /r/image_raw");
+            "no pairs for 20 images: nothing has come on /r/image_raw");
   EXPECT_EQ(problem(0.0, [](Cameras& cameras, double time) { cameras.both(kRight, time); }),
-            "nothing has come on /l/image_raw");
+            "no pairs for 20 images: nothing has come on /l/image_raw");
   EXPECT_EQ(problem(0.0,
                     [](Cameras& cameras, double time)
                     {
                       cameras.both(kLeft, time);
                       cameras.image(kRight, time);
                     }),
-            "nothing has come on /r/camera_info");
+            "no pairs for 20 images: nothing has come on /r/camera_info");
   EXPECT_EQ(problem(0.0,
                     [](Cameras& cameras, double time)
                     {
                       cameras.both(kLeft, time);
                       cameras.both(kRight, time + 0.5);
                     }),
-            "the stamps on /l/image_raw and /r/image_raw do not meet: the newest are 10.000000000 s and 10.500000000 "
-            "s, must be equal; slop allows cameras that are not in step");
+            "no pairs for 20 images: the stamps on /l/image_raw and /r/image_raw do not meet: the newest are "
+            "10.000000000 s and 10.500000000 s, must be equal; slop allows cameras that are not in step");
   EXPECT_EQ(problem(0.25,
                     [](Cameras& cameras, double time)
                     {
                       cameras.both(kLeft, time);
                       cameras.both(kRight, time + 0.5);
                     }),
-            "the stamps on /l/image_raw and /r/image_raw do not meet: the newest are 10.000000000 s and 10.500000000 "
-            "s, must be at most slop, 0.25 s, apart");
+            "no pairs for 20 images: the stamps on /l/image_raw and /r/image_raw do not meet: the newest are "
+            "10.000000000 s and 10.500000000 s, must be at most slop, 0.25 s, apart");
   EXPECT_EQ(problem(0.0,
                     [](Cameras& cameras, double time)
                     {
@@ -220,8 +220,8 @@ TEST(StereoPairs, tellWhyThereAreNone)
                       cameras.image(kRight, time);
                       cameras.info(kRight, time + 0.5);
                     }),
-            "the stamps on /r/image_raw and /r/camera_info do not meet: the newest are 10.000000000 s and "
-            "10.500000000 s, must be equal");
+            "no pairs for 20 images: the stamps on /r/image_raw and /r/camera_info do not meet: the newest are "
+            "10.000000000 s and 10.500000000 s, must be equal");
 }
 
 TEST(StereoPairs, tellNothingWhilePairsCome)
@@ -251,6 +251,43 @@ TEST(StereoPairs, tellOfEachLeftImageUntilAPairComes)
     cameras.both(1 - side, 3.0 * StereoPairs::kMaxUnpaired);
     EXPECT_EQ(cameras.pairs.problem(kLeft, kTopics), "");
   }
+}
+
+TEST(StereoPairs, tellOfNoRightImageWhileLeftOnesCome)
+{
+  Cameras cameras;
+  std::size_t left = 0, right = 0;
+  for (std::size_t i = 1; i <= 3 * StereoPairs::kMaxUnpaired; ++i)
+  {
+    cameras.both(kLeft, static_cast<double>(i));
+    left += !cameras.pairs.problem(kLeft, kTopics).empty();
+    cameras.both(kRight, static_cast<double>(i) + 0.5);
+    right += !cameras.pairs.problem(kRight, kTopics).empty();
+  }
+  EXPECT_EQ(left, 5 * StereoPairs::kMaxUnpaired / 2);  // all but those among the first images of both
+  EXPECT_EQ(right, 0U);
+  for (std::size_t i = 1; i < StereoPairs::kMaxUnpaired; ++i)  // the left camera has ended after its last one
+  {
+    EXPECT_EQ(right, 0U);
+    cameras.both(kRight, 1000.0 + static_cast<double>(i));
+    right += !cameras.pairs.problem(kRight, kTopics).empty();
+  }
+  EXPECT_EQ(right, 1U);
+}
+
+TEST(StereoPairs, tellSinceHowManyImagesAPartnerThatComesSeldomHasBeenMissing)
+{
+  Cameras cameras;
+  std::string told;
+  for (std::size_t i = 1; i <= 60; ++i)
+  {
+    if (i % 30 == 0) cameras.both(kRight, static_cast<double>(i));
+    cameras.both(kLeft, static_cast<double>(i));
+    const std::string problem = cameras.pairs.problem(kLeft, kTopics);
+    if (!problem.empty()) told = problem;
+  }
+  EXPECT_EQ(cameras.found, "30-30 60-60 ");
+  EXPECT_EQ(told, "no pairs for 29 images: nothing has come on /r/image_raw");
 }
 
 TEST(StereoPairs, canBeForgotten)

@@ -301,7 +301,7 @@ def test_stamps_that_never_meet_are_told(start):
     cameras = watched.cameras
     times = itertools.count(1000)
     left, right = (cameras.topic(side, "image_raw") for side in SIDES)
-    said = f"no pairs: the stamps on {left} and {right} do not meet: the newest are 1"
+    said = f" images: the stamps on {left} and {right} do not meet: the newest are 1"
 
     def told():
         stamp = rospy.Time(next(times))
@@ -332,7 +332,7 @@ def test_a_camera_that_is_missing_is_named(start, diagnostics):
 
     def told():
         cameras.send("left", LEFT, rospy.Time(next(times)))
-        return f"no pairs: nothing has come on {topic}" in watched.process.output()
+        return f"no pairs for 20 images: nothing has come on {topic}" in watched.process.output()
 
     support.wait_for(told, "what is missing")
 

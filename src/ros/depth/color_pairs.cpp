@@ -58,6 +58,11 @@ bool ColorPairs::isNearerToCome(const sensor_msgs::ImageConstPtr& nearest) const
 std::string ColorPairs::problem(const std::string& depth_topic, const std::string& color_topic) const
 {
   if (unpaired_ < kMaxUnpaired) return "";
+  return "no colors of points for " + std::to_string(unpaired_) + " images: " + reason(depth_topic, color_topic);
+}
+
+std::string ColorPairs::reason(const std::string& depth_topic, const std::string& color_topic) const
+{
   if (colors_.empty()) return "nothing has come on " + color_topic;
   const ros::Time& oldest = colors_.front()->header.stamp;
   if (colors_.size() == kMaxColors && newest_depth_ < oldest)

@@ -31,14 +31,15 @@ public:
   std::optional<ColoredDepth> addDepth(const sensor_msgs::ImageConstPtr& depth);
   std::optional<ColoredDepth> addColor(const sensor_msgs::ImageConstPtr& color);
 
-  /// Why there are no pairs, in one line that names topics, from so many depth images in a row on that have found none;
-  /// otherwise empty.
+  /// Since how many depth images there are no colors, and why, in one line that names topics; empty until so many in a
+  /// row have found none.
   std::string problem(const std::string& depth_topic, const std::string& color_topic) const;
 
   /// Forgets all images.
   void clear();
 
 private:
+  std::string reason(const std::string& depth_topic, const std::string& color_topic) const;
   std::optional<ColoredDepth> pair(bool waits);
   bool isNearerToCome(const sensor_msgs::ImageConstPtr& nearest) const;
 

@@ -46,7 +46,7 @@ bool RegisteredPoints::add(const sensor_msgs::ImageConstPtr& depth, const std::s
   {
     const std::optional<ColoredDepth> pair = pairs_.addDepth(depth);
     const std::string problem = pairs_.problem(topics_.depth_image, topics_.color_image);
-    if (!problem.empty()) tell("no colors of points: " + problem);
+    if (!problem.empty()) tell(problem);
     return publish(pair);
   }
   const cv::Mat pixels = viewAnyPixels(*depth);

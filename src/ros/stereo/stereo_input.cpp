@@ -132,7 +132,7 @@ void StereoInput::onImage(std::size_t side, const sensor_msgs::ImageConstPtr& me
   const std::optional<StereoPair> pair = pairs_.add(side, message);
   if (pair) return process(*pair);
   const std::string problem = pairs_.problem(side, topics_);
-  if (!problem.empty()) refuse("no pairs: " + problem);
+  if (!problem.empty()) refuse(problem);
 }
 
 void StereoInput::onInfo(std::size_t side, const sensor_msgs::CameraInfoConstPtr& message)

@@ -44,6 +44,7 @@ std::optional<StereoPair> StereoPairs::add(std::size_t side, const sensor_msgs::
   dropOldest(
       images, kMaxImages, [](const auto& one) -> const auto& { return *one; });
   ++unpaired_;
+  rights_alone_ = side == kRight ? rights_alone_ + 1 : 0;
   return take();
 }
 
@@ -68,7 +69,7 @@ std::optional<StereoPair> StereoPairs::take()
     pair.images = {takeOut(left.images, i), takeOut(right.images, *partner)};
     const auto right_info = indexOf(right.infos, pair.images[kRight]->header.stamp);
     pair.infos = {takeOut(left.infos, *left_info), takeOut(right.infos, *right_info)};
-    unpaired_ = 0;
+    unpaired_ = rights_alone_ = 0;
     return pair;
   }
   return std::nullopt;
@@ -93,7 +94,12 @@ std::optional<std::size_t> StereoPairs::nearestRight(const ros::Time& left) cons
 
 std::string StereoPairs::problem(std::size_t side, const StereoTopics& topics) const
 {
-  if (unpaired_ < kMaxUnpaired || (side == kRight && unpaired_ % kMaxUnpaired != 0)) return "";
+  if (unpaired_ < kMaxUnpaired || (side == kRight && rights_alone_ % kMaxUnpaired != 0)) return "";
+  return "no pairs for " + std::to_string(unpaired_) + " images: " + reason(topics);
+}
+
+std::string StereoPairs::reason(const StereoTopics& topics) const
+{
   for (const std::size_t of : {kLeft, kRight})
   {
     if (cameras_[of].images.empty()) return "nothing has come on " + topics.images[of];
@@ -118,7 +124,7 @@ std::string StereoPairs::problem(std::size_t side, const StereoTopics& topics) c
 void StereoPairs::clear()
 {
   cameras_ = {};
-  unpaired_ = 0;
+  unpaired_ = rights_alone_ = 0;
 }
 
 }  // namespace robot_vision

@@ -46,9 +46,9 @@ public:
   std::optional<StereoPair> add(std::size_t side, const sensor_msgs::ImageConstPtr& image);
   std::optional<StereoPair> add(std::size_t side, const sensor_msgs::CameraInfoConstPtr& info);
 
-  /// Why an image of the camera `side` that was added has no pair, in one line that names topics; empty until so many
-  /// images in a row have none. Of right images it is empty but each time that so many have come, because left ones are
-  /// what is counted.
+  /// Since how many images there are no pairs, and why, in one line that names topics; empty until so many in a row
+  /// have none. To be asked once an image of the camera `side` was added. Of right images it is empty but each time
+  /// that so many have come without a left one, because left ones are what is counted.
   std::string problem(std::size_t side, const StereoTopics& topics) const;
 
   /// Forgets all messages.
@@ -62,11 +62,13 @@ private:
   };
 
   std::optional<StereoPair> take();
+  std::string reason(const StereoTopics& topics) const;
   std::optional<std::size_t> nearestRight(const ros::Time& left) const;
 
   double slop_;
   std::array<Camera, 2> cameras_;
-  std::size_t unpaired_ = 0;  // images since the last pair
+  std::size_t unpaired_ = 0;      // images since the last pair
+  std::size_t rights_alone_ = 0;  // right images since the last pair or left image
 };
 
 }  // namespace robot_vision
