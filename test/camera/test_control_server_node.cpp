@@ -79,14 +79,14 @@ TEST(ControlSettings, switchTheAutofocusOffForAFocusAsUsbCamDoes)
   {
     std::string values;
     for (const ControlSetting& setting : readControlSettings(nh))
-      if (setting.name == "autofocus") values += toText(setting.value) + " ";
+      if (setting.name == "autofocus") values += toText(setting.value) + (setting.is_implied ? ", implied " : " ");
     return values;
   };
   EXPECT_EQ(autofocus(), "");
   nh.setParam("focus", -1);
   EXPECT_EQ(autofocus(), "");
   nh.setParam("focus", 40);
-  EXPECT_EQ(autofocus(), "false ");
+  EXPECT_EQ(autofocus(), "false, implied ");
   nh.setParam("autofocus", true);
   EXPECT_EQ(autofocus(), "true ");
 }
@@ -121,6 +121,26 @@ TEST(ControlServer, usesTheStreamingDeviceAndRestoresSettings)
   EXPECT_EQ(camera.control(V4L2_CID_BRIGHTNESS).value, 9);
   EXPECT_EQ(setBrightness(7), 7);
   EXPECT_EQ(camera.openings, 2);
+}
+
+TEST(ControlServer, savesWhatIsImpliedOnlyIfTheCameraHasIt)
+{
+  FakeCamera camera = webcam();
+  const std::vector<ControlSetting> given = {{"focus", std::int64_t{40}}, {"autofocus", false, /*is_implied=*/true}};
+  ControlServer server(ros::NodeHandle("~"), ControlDevice([&camera] { return camera.plug(); }), given);
+  const auto open_source = [&camera] { return std::make_unique<V4l2Source>(camera.plug(), CaptureParams()); };
+  server.open(open_source);
+  EXPECT_EQ(server.settings().ints.size(), 1U);
+  EXPECT_TRUE(server.settings().bools.empty());
+  camera.controls.push_back({V4L2_CID_FOCUS_ABSOLUTE, V4L2_CTRL_TYPE_INTEGER, "Focus, Absolute", 0, 255, 0});
+  camera.controls.push_back({V4L2_CID_FOCUS_AUTO, V4L2_CTRL_TYPE_BOOLEAN, "Focus, Automatic Continuous", 0, 1, 1});
+  server.open(open_source);
+  const dynamic_reconfigure::Config config = server.settings();
+  ASSERT_EQ(config.bools.size(), 1U);
+  EXPECT_EQ(config.bools[0].name, "focus_automatic_continuous");
+  EXPECT_FALSE(config.bools[0].value);
+  EXPECT_EQ(camera.control(V4L2_CID_FOCUS_AUTO).value, 0);
+  EXPECT_EQ(camera.control(V4L2_CID_FOCUS_ABSOLUTE).value, 40);
 }
 
 TEST(ControlServer, opensTheDeviceOnlyWhileTheCaptureHasNot)

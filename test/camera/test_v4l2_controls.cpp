@@ -300,6 +300,15 @@ TEST(V4l2Controls, areSetAlthoughOthersFail)
       << unknown[0];
 }
 
+TEST(V4l2Controls, areNotMissedIfAnotherSettingImpliesThem)
+{
+  FakeCamera camera = webcam();
+  EXPECT_EQ(set(camera, {{"autofocus", false, /*is_implied=*/true}}), Lines());
+  EXPECT_EQ(set(camera, {{"auto_white_balance", false, /*is_implied=*/true}}), Lines());
+  EXPECT_EQ(camera.control(V4L2_CID_AUTO_WHITE_BALANCE).value, 0);
+  EXPECT_EQ(set(camera, {{"brightness", number(256), /*is_implied=*/true}}).size(), 1U);
+}
+
 TEST(V4l2Controls, areNamedIfTheDriverRefusesThem)
 {
   FakeCamera camera = webcam();

@@ -58,6 +58,7 @@ struct ControlSetting
 {
   std::string name;
   ControlValue value;
+  bool is_implied = false;  // by another setting: nothing is missing where a camera has no such control
 };
 
 /// A setting that failed, and one line that gives the reason.

@@ -137,6 +137,7 @@ std::string joinedNames(const std::vector<CameraControl>& controls)
 std::string trySetting(V4l2Device& device, const std::vector<CameraControl>& controls, const ControlSetting& setting)
 {
   const CameraControl* control = findControl(controls, setting.name);
+  if (control == nullptr && setting.is_implied) return "";
   if (control == nullptr)
     return device.path() + ": there is no control " + setting.name + ", the camera has " + joinedNames(controls);
   try

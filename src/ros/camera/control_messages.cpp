@@ -134,10 +134,10 @@ Config toConfig(const std::vector<CameraControl>& controls)
 Config toConfig(const std::vector<ControlSetting>& settings)
 {
   Config config;
-  for (const auto& [name, value] : settings)
+  for (const ControlSetting& setting : settings)
   {
-    const auto* number = std::get_if<std::int64_t>(&value);
-    put(config, number == nullptr || fitsInt32(*number) ? "int" : "double", name, value);
+    const auto* number = std::get_if<std::int64_t>(&setting.value);
+    put(config, number == nullptr || fitsInt32(*number) ? "int" : "double", setting.name, setting.value);
   }
   return config;
 }

@@ -61,7 +61,8 @@ void addFocusMode(std::vector<ControlSetting>& settings)
     return std::any_of(settings.begin(), settings.end(),
                        [name](const ControlSetting& setting) { return setting.name == name; });
   };
-  if (has("focus") && !has("autofocus") && !has("auto_focus")) settings.push_back({"autofocus", false});
+  if (has("focus") && !has("autofocus") && !has("auto_focus"))
+    settings.push_back({"autofocus", false, /*is_implied=*/true});
 }
 
 /// Reads a map of control names and values; the result is not valid() if there is no such parameter.

@@ -1,6 +1,7 @@
 #include "control_server.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "control_messages.hpp"
@@ -59,7 +60,7 @@ void ControlServer::remember(const ControlSetting& setting)
   const auto same = [&](const ControlSetting& other)
   { return other.name == setting.name || (control != nullptr && findControl(controls_, other.name) == control); };
   settings_.erase(std::remove_if(settings_.begin(), settings_.end(), same), settings_.end());
-  settings_.push_back({control == nullptr ? setting.name : control->name, setting.value});
+  settings_.push_back({control == nullptr ? setting.name : control->name, setting.value, setting.is_implied});
 }
 
 dynamic_reconfigure::Config ControlServer::settings()
@@ -68,7 +69,11 @@ dynamic_reconfigure::Config ControlServer::settings()
   const std::vector<ControlSetting> settings = settings_;
   for (const ControlSetting& setting : settings)
     remember(setting);
-  return toConfig(settings_);
+  std::vector<ControlSetting> made;
+  const auto is_made = [this](const ControlSetting& setting)
+  { return !setting.is_implied || findControl(controls_, setting.name) != nullptr; };
+  std::copy_if(settings_.begin(), settings_.end(), std::back_inserter(made), is_made);
+  return toConfig(made);
 }
 
 bool ControlServer::change(dynamic_reconfigure::Reconfigure::Request& request,

@@ -28,7 +28,7 @@ public:
   /// not have the camera open meanwhile, because some drivers cannot be opened twice.
   std::unique_ptr<FrameSource> open(const Open& open_source);
 
-  /// The settings made so far, under the camera's own names.
+  /// The settings made so far, under the camera's own names, without implied ones that it has no control for.
   dynamic_reconfigure::Config settings();
 
 private:
