@@ -15,7 +15,7 @@ namespace
 {
 
 constexpr int kPollTimeoutMs = 100;
-constexpr unsigned kBufferCount = 5;  // the reader's, and four for a delay
+constexpr unsigned kBufferCount = 5;  // the reader's, three that wait, and the one to be filled
 
 /// The time of capture on the monotonic clock. It is the driver's time stamp, or the time of arrival if the driver uses
 /// another clock. It is never later than the arrival: some drivers deliver a frame before the time in its stamp.
