@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/common/starts_with.hpp"
 #include "robot_vision/image/encoding.hpp"
 
 namespace robot_vision
@@ -16,7 +17,7 @@ constexpr int kRowsPerBatch = 16;  // few enough for the cache, many enough for 
 bool GrayLineBuffer::takes(const std::string& encoding)
 {
   // What only cameras give is planar, compressed or rare, and a row of a mosaic depends on the rows around it.
-  return isMessageEncoding(encoding) && encoding.rfind("bayer", 0) != 0;
+  return isMessageEncoding(encoding) && !startsWith(encoding, "bayer");
 }
 
 void GrayLineBuffer::begin(const cv::Mat& image, const std::string& encoding, int first, int window)
