@@ -9,6 +9,7 @@ import pytest
 import rosgraph
 import rospy
 import support
+from diagnostic_msgs.msg import DiagnosticStatus
 from frames import Source, message, new_topic, pixels
 from geometry_msgs.msg import Point
 from sensor_msgs.msg import CameraInfo, Image
@@ -123,10 +124,47 @@ class Watched:
             return text in diagnostics.value("places", "last error")
 
         support.wait_for(refused, "the frame to be refused")
-        assert int(diagnostics.value("places", "frames refused")) > 0
+
+    def require_refusal(self, diagnostics, depth_first=True, frames=("eye", "eye")):
+        """Sends one frame, and requires that it counts as refused alone."""
+        stamp = next(self._stamps)
+        detections = DetectionArray(Header(0, stamp, frames[0]), WIDTH, HEIGHT, [face()])
+        image = message(MILLIMETRES, "16UC1")
+        image.header = Header(0, stamp, frames[1])
+        received, published, refused = settled_counts(diagnostics)
+        if depth_first:
+            self.depth.send(image)
+            alone = (received + 1, published, refused)
+            support.wait_for(lambda: counts(diagnostics) == alone, "the depth alone")
+            self.found.send(detections)
+        else:
+            self.found.send(detections)
+            self.depth.send(image)
+        after = (received + 1, published, refused + 1)
+        assert settled_counts(diagnostics, lambda new: new[2] > refused) == after
 
     def topics(self):
         return f"{self.found.topic} and {self.depth.topic}"
+
+
+def counts(diagnostics):
+    """How many frames the node has received, published and refused."""
+    values = {}
+    while not values:  # The first status has none.
+        values = {one.key: one.value for one in diagnostics.next("places").values}
+    return tuple(int(values[f"frames {name}"]) for name in ("received", "published", "refused"))
+
+
+def settled_counts(diagnostics, condition=lambda _: True):
+    """The counts as soon as two statuses have the same ones, which are to meet a condition."""
+    last = [None]
+
+    def settled():
+        last.append(counts(diagnostics))
+        return last[-1] == last[-2] and condition(last[-1])
+
+    support.wait_for(settled, "counts that stay")
+    return last[-1]
 
 
 def located(depth, box, outline=None, center=None, radius=0.0, **values):
@@ -270,26 +308,38 @@ def test_stamps_that_never_meet_are_told_with_both_topics(start, diagnostics):
     watched = Watched(start)
     said = f"the stamps on {watched.topics()} do not meet: the nearest are 0.25 s apart, must be"
     watched.shown_until(f"{said} at most slop, 0.02 s", face(), late=0.25)
-    watched.refused_until(f"{said} at most slop, 0.02 s", diagnostics, face(), late=0.25)
+
+    def is_state():
+        watched.show([face()], late=0.25)
+        status = diagnostics.next("places")
+        return status.level == DiagnosticStatus.WARN and said in status.message
+
+    support.wait_for(is_state, "a warning in the diagnostics")
+    assert counts(diagnostics)[1:] == (0, 0)
     assert not watched.outputs["/places/detections"].received
     assert watched.answer([face()], late=0.015).detections
     support.reconfigured("/places", slop=0.3)
     assert watched.answer([face()], late=0.25).detections
+    support.wait_for(
+        lambda: diagnostics.next("places").level == DiagnosticStatus.OK, "the end of the warning"
+    )
 
 
-def test_a_detector_that_says_nothing_is_told_and_counted(start, diagnostics):
+def test_a_detector_that_says_nothing_is_told(start, diagnostics):
     watched = Watched(start)
     said = f"no detections on {watched.found.topic} for "  # and how many seconds
 
-    def refused():
+    def is_state():
         image = message(MILLIMETRES, "16UC1")
         image.header = Header(0, rospy.Time.now(), "eye")
         watched.infos.send(watched.info)
         watched.depth.send(image)
-        return said in diagnostics.value("places", "last error")
+        status = diagnostics.next("places")
+        return status.level == DiagnosticStatus.WARN and said in status.message
 
-    support.wait_for(refused, "a frame to be refused")
+    support.wait_for(is_state, "a warning in the diagnostics")
     assert f"no places of detections: {said}" in watched.process.output()
+    assert counts(diagnostics)[1:] == (0, 0)
     assert watched.answer([face()]).detections
 
 
@@ -317,15 +367,7 @@ def test_depth_of_another_frame_is_told_and_no_name_is_none(start):
 def test_depth_that_does_not_fit_is_counted_whichever_comes_first(start, diagnostics, depth_first):
     watched = Watched(start)
     assert watched.answer([face()]).detections
-    detections = DetectionArray(Header(0, rospy.Time(5000), "eye"), WIDTH, HEIGHT, [face()])
-    image = message(MILLIMETRES, "16UC1")
-    image.header = Header(0, rospy.Time(5000), "other_eye")
-    sent = [(watched.found, detections), (watched.depth, image)][:: -1 if depth_first else 1]
-    for source, one in sent:
-        source.send(one)
-    support.wait_for(
-        lambda: int(diagnostics.value("places", "frames refused")) == 1, "the frame to be refused"
-    )
+    watched.require_refusal(diagnostics, depth_first, frames=("eye", "other_eye"))
 
 
 def test_rectified_images_have_the_camera_of_p(start):
@@ -361,10 +403,8 @@ def test_a_calibration_that_does_not_fit_is_told(start, diagnostics, spoil, said
     watched.shown_until(said, face())
     output = watched.process.output()
     assert f"no places of detections: camera_info on {watched.infos.topic}: {said}" in output
-    support.wait_for(
-        lambda: said in diagnostics.value("places", "last error"), "the frame to be refused"
-    )
-    assert int(diagnostics.value("places", "frames refused")) > 0
+    watched.refused_until(said, diagnostics, face())
+    watched.require_refusal(diagnostics)
     watched.info = info_of_camera()
     assert watched.answer([face()]).detections
 

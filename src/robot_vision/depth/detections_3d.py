@@ -67,16 +67,12 @@ class Detections3d:
 
     def _on_depth(self, depth: Frame) -> Any:
         self._look.check(depth)
-        missing = self._report_missing("detections")
+        lack = self._report_missing("detections")
         detections = self._pairs.message_of(depth)
-        if detections:
-            self._process(depth, detections)
-        with self._lock:
-            if self._camera_of(depth) is None:
-                self._calibration.refuse()
-        if not detections and (missing or self._pairs.apart()):
-            raise ReportedFrameError(missing or self._apart_text())
-        return None if detections else KEPT
+        if not lack and self._pairs.apart():
+            lack = self._apart_text()
+        self._node.set_lack(lack)
+        return self._process(depth, detections) if detections else KEPT
 
     def _on_detections(self, detections: DetectionArray) -> None:
         depth = self._pairs.frame_of(detections)
@@ -102,6 +98,7 @@ class Detections3d:
             self._require_fit(depth, detections)
             camera = self._camera_of(depth)
             if camera is None:
+                self._calibration.refuse()
                 return
             if camera is not self._camera:
                 self._camera, self._locator = camera, RegionLocator(camera, *self._values)
