@@ -6,14 +6,16 @@ import threading
 import rospy
 import support
 from diagnostic_msgs.msg import DiagnosticArray
-from frames import new_topic
+from frames import Source, new_topic
 from geometry_msgs.msg import TransformStamped
 from tf2_msgs.msg import TFMessage
 
 from robot_vision.ros.context import LoadedContext, active
+from robot_vision.ros.frame_transforms import FrameTransforms
 from robot_vision.ros.image_node import ImageNode
 from robot_vision.ros.listeners import listeners_elsewhere
 from robot_vision.ros.status_topic import StatusTopic
+from robot_vision.ros.transform_output import TransformOutput
 
 NODES = ["/first", "/second", "/third"]
 LISTENER = """
@@ -54,7 +56,7 @@ def held_writer(publisher):
 
 def transforms_of(context):
     with active(context):
-        return ImageNode(lambda _: None).shared_publisher("/tf", TFMessage)
+        return ImageNode(lambda _: None).shared_publisher("/tf", TFMessage, lambda: True, False)
 
 
 def test_transforms_of_several_nodes_at_the_same_moment_all_come():
@@ -107,14 +109,39 @@ def test_the_last_status_before_a_rest_is_told():
     rospy.delete_param("/first")
 
 
-def test_transforms_are_for_others_alone():
-    """A node that listens to transforms as well does not work for itself."""
-    with loaded(NODES[:1]) as (context,):
-        output = transforms_of(context)
-        own = support.subscribed("/tf", TFMessage)
-        support.wait_for(output.get_num_connections, "the connection of this process to itself")
-        assert listeners_elsewhere(output) == 0
-        own.close()
+def test_a_node_works_for_another_of_its_process_that_listens_to_transforms():
+    """But those that listen come to rest, although they hear themselves and each other."""
+    with loaded() as contexts:
+        nodes = []
+        for context, listens in zip(contexts, (True, True, False)):
+            with active(context):
+                nodes.append(ImageNode(lambda _: None))
+                TransformOutput(nodes[-1], lambda: True, listens=listens)
+                nodes[-1].start()
+        images = [Source(node.topic) for node in nodes]
+        with active(contexts[0]):
+            transforms = FrameTransforms()
+        assert transforms.rotation("base", "eye") is None
+        images[2].wait_for()
+        for node, source in zip(nodes[:2], images):
+            node.keep_working(True)
+            source.wait_for()
+            node.keep_working(False)
+            source.wait_for(0)
+        images[2].wait_for()
+        transforms.forget()
+        images[2].wait_for(0)
+
+
+def test_transforms_without_a_parent_are_told_by_each_node(log):
+    with loaded(NODES[:2]) as contexts:
+        for context in contexts:
+            with active(context):
+                output = TransformOutput(ImageNode(lambda _: None), lambda: True)
+                for _ in range(2):
+                    output.publish(TFMessage([TransformStamped()]))
+                topic = context.resolve("image")
+            assert log().count(f"no transforms: the images of {topic} have no frame_id") == 1
 
 
 def test_who_listens_elsewhere_counts(run_script):

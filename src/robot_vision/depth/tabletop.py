@@ -64,7 +64,7 @@ class Tabletop:
         self._tables = self._node.publisher("~tables", TableArray)
         self._objects = self._node.publisher("~objects", Detection3DArray)
         self._markers = self._node.publisher("~markers", MarkerArray)
-        self._tf = TransformOutput(self._node, lambda: self._settings.publish_tf)
+        self._tf = TransformOutput(self._node, lambda: self._settings.publish_tf, listens=True)
         self._processed = self._node.image_publisher("~processed_image")
         self._node.start()
 

@@ -101,7 +101,7 @@ class ObjectRecognizer:
         self._tables = [node.publisher(name, TableArray) for name in names("~tables")]
         self._detections = node.publisher("~detections", DetectionArray)
         self._markers = node.publisher("~markers", MarkerArray)
-        self._tf = TransformOutput(node, lambda: self._settings.publish_tf)
+        self._tf = TransformOutput(node, lambda: self._settings.publish_tf, listens=True)
         self._processed = node.image_publisher("~processed_image")
 
     def _configure(self, config: Dict[str, Any]) -> None:

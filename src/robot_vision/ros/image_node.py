@@ -87,14 +87,17 @@ class ImageNode:
         return output
 
     def shared_publisher(
-        self, name: str, kind: Any, counts: Callable[[], bool] = lambda: True
+        self, name: str, kind: Any, counts: Callable[[], bool], listens: bool
     ) -> rospy.Publisher:
-        """Adds a topic of all nodes, to which the node itself may listen, too.
+        """Adds a topic of all nodes, as publisher() does.
 
-        Subscribers of its own process do not count, or it would have itself work for ever.
+        If the node `listens` to it, too, subscribers of its own process do not count: it would have
+        itself work for ever, and so would two of one process each other. rospy does not tell which
+        nodes of a process listen.
         """
         output = self._publisher(name, kind, SHARED_QUEUE)
-        self._outputs.append((functools.partial(listeners_elsewhere, output), counts))
+        elsewhere = functools.partial(listeners_elsewhere, output)
+        self._outputs.append((elsewhere if listens else output.get_num_connections, counts))
         return output
 
     def _publisher(self, name: str, kind: Any, queue_size: int) -> rospy.Publisher:

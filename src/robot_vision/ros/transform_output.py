@@ -5,6 +5,7 @@ from typing import Callable
 import rospy
 from tf2_msgs.msg import TFMessage
 
+from ..common.throttle import Throttle
 from .image_node import ImageNode
 
 
@@ -16,12 +17,21 @@ class TransformOutput:
         enabled: A function that returns whether to publish; while not, no subscriber counts.
         sources: What has the parent frame of the transforms; by default these are the node's
             images.
+        listens: Whether the node itself may listen to transforms. It then does not work for those
+            of its process that do, of which it is one.
     """
 
-    def __init__(self, node: ImageNode, enabled: Callable[[], bool], sources: str = "") -> None:
+    def __init__(
+        self,
+        node: ImageNode,
+        enabled: Callable[[], bool],
+        sources: str = "",
+        listens: bool = False,
+    ) -> None:
         self._enabled = enabled
         self._sources = sources or f"the images of {node.topic}"
-        self._topic = node.shared_publisher("/tf", TFMessage, counts=enabled)
+        self._topic = node.shared_publisher("/tf", TFMessage, enabled, listens)
+        self._without_frame = Throttle(60.0)
 
     def is_wanted(self) -> bool:
         """Returns whether somebody would get transforms, which need not be made otherwise."""
@@ -33,5 +43,5 @@ class TransformOutput:
             return
         if message.transforms[0].header.frame_id:
             self._topic.publish(message)
-        else:
-            rospy.logwarn_throttle(60.0, f"no transforms: {self._sources} have no frame_id")
+        elif self._without_frame.due():
+            rospy.logwarn("no transforms: %s have no frame_id", self._sources)
