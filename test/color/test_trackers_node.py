@@ -413,6 +413,15 @@ def test_the_frame_of_the_ball_alone_makes_the_node_work_unless_it_is_turned_off
     # The rays along the outline are atan(40 px / 400 px) off the middle of the ball.
     distance = 0.1 / np.sin(np.arctan(0.1))
     assert [place.x, place.y, place.z] == pytest.approx([0.0, 0.0, distance], abs=0.02)
+    assert ball.header.stamp.to_sec() < 1000.0 and ball.transform.rotation.w == 1.0
+    timeless = message(DISC, "bgr8")
+    timeless.header.frame_id = "eye"
+    camera.send(timeless)
+
+    def last_stamp():
+        return transforms.received[-1].transforms[0].header.stamp.to_sec()
+
+    support.wait_for(lambda: last_stamp() > 1000.0, "a transform of the present time")
     nameless = message(DISC, "bgr8")
     nameless.header.stamp = rospy.Time(5000)
     camera.send(nameless)

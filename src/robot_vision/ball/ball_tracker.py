@@ -5,7 +5,7 @@ import math
 from typing import Any, Deque, Dict, Optional, Tuple
 
 import numpy as np
-from geometry_msgs.msg import Point, PointStamped, TransformStamped, Vector3
+from geometry_msgs.msg import Point, PointStamped, Pose, Quaternion, Vector3
 from tf2_msgs.msg import TFMessage
 
 from .. import (
@@ -32,6 +32,7 @@ from ..ros.image_node import ImageNode
 from ..ros.live_params import LiveParams, filled
 from ..ros.messages import detection, detection_array
 from ..ros.params import read_name, read_param
+from ..ros.poses import transform_at
 from ..ros.startup import run_node
 from ..ros.transform_output import TransformOutput
 from ..ros.transport import Frame, note_connections
@@ -141,12 +142,10 @@ class BallTracker:
 
     def _publish_position(self, frame: Frame, position: np.ndarray) -> None:
         self._positions.publish(PointStamped(frame.header, Point(*position)))
-        if not self._tf.is_wanted():
-            return
-        transform = TransformStamped(header=frame.header, child_frame_id=self._ball_frame)
-        transform.transform.translation = Vector3(*position)
-        transform.transform.rotation.w = 1.0  # A ball looks the same from all sides.
-        self._tf.publish(TFMessage([transform]))
+        if self._tf.is_wanted():
+            # A ball looks the same from all sides.
+            pose = Pose(Point(*position), Quaternion(w=1.0))
+            self._tf.publish(TFMessage([transform_at(frame.header, self._ball_frame, pose)]))
 
 
 def ball_detection(state: BallState, region: Optional[Region]) -> Detection:
