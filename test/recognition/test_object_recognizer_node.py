@@ -333,7 +333,7 @@ def values_of(status):
 
 
 def statuses():
-    arrays = support.Messages("/diagnostics", DiagnosticArray)
+    arrays = support.subscribed("/diagnostics", DiagnosticArray)
 
     def newest():
         found = [one for array in list(arrays.received) for one in array.status]
@@ -454,22 +454,11 @@ def test_goals_of_an_idle_node_wait_until_it_is_known_what_is_up(start, kitchen,
     assert client.wait_for_server(rospy.Duration(support.DEADLINE))
     newest = statuses()
 
-    def asked():
+    def answer():
         client.send_goal(ObjectRecognitionGoal())
         eyes.shown_until(client.get_result, "the result of the action")
         support.wait_for(lambda: client.get_state() in DONE, "its state")
         return client.get_state(), client.get_goal_status_text()
-
-    def answer():
-        """A node that idled may have an image before the first camera_info."""
-        last = []
-
-        def calibrated():
-            last[:] = asked()
-            return not last[1].endswith("there is none")
-
-        support.wait_for(calibrated, "an answer by a camera_info")
-        return last
 
     lack = "no transform from the vertical_frame 'level' to its frame 'eye', expected on "
     state, text = answer()
@@ -501,7 +490,6 @@ def test_what_needs_depth_says_so_without_it(start, kitchen, table):
     said = "what was learned of the objects needs depth, and the name 'depth' is not remapped"
 
     def is_told():
-        """The first image may come before its camera_info, of which another status tells."""
         status = newest()
         return (
             shown.received
@@ -510,6 +498,18 @@ def test_what_needs_depth_says_so_without_it(start, kitchen, table):
         )
 
     eyes.shown_until(is_told, "a status and an overlay")
+
+
+def test_an_image_before_the_first_camera_info_is_no_error(start, kitchen, table):
+    eyes = Eyes(start, table, kitchen)
+    eyes.info, known = None, eyes.info
+    arrays = support.subscribed("/object_recognizer/recognized_object_array", RecognizedObjectArray)
+    eyes.wait_for()
+    told = statuses()
+    eyes.show()
+    assert support.wait_for(told, "the status of this image").level == DiagnosticStatus.OK
+    eyes.info = known
+    eyes.shown_until(lambda: arrays.received, "what is recognized")
 
 
 def test_reload(start, tmp_path, table):
@@ -614,12 +614,7 @@ def require_goal(client, goal, eyes, kitchen):
         # Not until its state says so, which may come before the result.
         return eyes.shown_until(client.get_result, "the result of the action")
 
-    def first_result():
-        """A node that idled may have an image before the first camera_info."""
-        found = result()
-        return None if "there is none" in client.get_goal_status_text() else found
-
-    found = support.wait_for(first_result, "a result by a camera_info").recognized_objects
+    found = result().recognized_objects
     assert set(named(kitchen, found)) == set(NAMES)
     low, high = (eyes.table.poses["box"][:3, 3] + shift for shift in (-0.02, 0.02))
     limits = np.column_stack([low, high]).ravel().tolist()

@@ -8,6 +8,7 @@ from sensor_msgs.msg import CameraInfo, RegionOfInterest
 
 from robot_vision.ros import camera_info
 from robot_vision.ros.camera_info import CameraInfoListener, camera_model, image_size
+from robot_vision.ros.transport import ReportedFrameError
 
 SENSOR = CameraInfo(
     width=1280,
@@ -93,3 +94,42 @@ def test_a_region_that_moves_is_another_camera(monkeypatch):
     assert [camera.K[0, 2] for camera in cameras] == [540.0, 540.0, 550.0]
     node.end_work()
     assert listener.camera((1001, 400)) is None
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """The time in s, which the test sets."""
+    now = [100.0]
+    monkeypatch.setattr(camera_info.time, "monotonic", lambda: now[0])
+    return now
+
+
+def test_a_rest_ends_what_was_said_of_the_camera_before(monkeypatch, clock):
+    monkeypatch.setattr(camera_info, "remapped_camera_info", lambda: "/eye/camera_info")
+    node = Node()
+    listener = CameraInfoListener(node, "poses")
+    waits = []
+    monkeypatch.setattr(listener._arrived, "wait", waits.append)
+    said = "no poses: camera_info on /eye/camera_info: "
+
+    def asked():
+        """Whether it is on its way, and the reason why a frame is refused, or an empty one."""
+        assert listener.camera((1280, 960)) is None
+        try:
+            listener.refuse()
+        except ReportedFrameError as error:
+            assert str(error) == listener.problem
+            return listener.is_on_its_way, str(error)
+        return listener.is_on_its_way, ""
+
+    node.send(sensor(K=[0.0] * 9))
+    assert asked() == (False, said + "the camera is not calibrated")
+    node.end_work()
+    assert asked() == (True, "")
+    listener.wait(3.0)
+    clock[0] += 2.5
+    assert asked() == (False, said + "there is none")
+    listener.wait(4.0)
+    assert waits == [3.0]
+    node.send(SENSOR)
+    assert listener.camera((1280, 960)) is not None

@@ -87,7 +87,7 @@ class ObjectRecognizer:
         self._source = ObjectSource(read_methods(), lambda: self._settings, self._report)
         self._calibration = CameraInfoListener(self._node, "objects")
         self._outputs(names)
-        self._action = RecognizeAction(names("~recognize_objects"), self._calls, self._calibration)
+        self._action = RecognizeAction(names("~recognize_objects"), self._calls)
         self._info = ObjectInfoService(names("~get_object_info"), self._source.path)
         current().service("~reload", Trigger, self._on_reload)
         self._node.start()
@@ -135,7 +135,8 @@ class ObjectRecognizer:
         camera = self._calibration.camera(frame.image.shape[1::-1], settings.rectified)
         recognizer = self._source.recognizer()
         if camera is None:
-            self._cannot(frame, self._calibration.problem, NOT_CALIBRATED)
+            if not self._calibration.is_on_its_way:
+                self._cannot(frame, self._calibration.problem, NOT_CALIBRATED)
             return
         if depth is None and self._depth.topic:
             lack = self._missing_depth.reason()

@@ -8,13 +8,11 @@ from ..common.plain_text import error_text
 from ..msg import ObjectRecognitionAction, ObjectRecognitionGoal, ObjectRecognitionResult
 from ..msg import RecognizedObjectArray as Array
 from ..ros.actions import SimpleActionServer, action_server
-from ..ros.camera_info import CameraInfoListener
 from ..ros.context import current
 from ..ros.frame_calls import FrameCalls
 from .found import Limits, limits_of
 
 TIMEOUT = 10.0  # s that a goal waits for an image and what is in it
-CALIBRATION_TIMEOUT = 2.0  # s that it waits for camera_info before
 Result = Callable[[Optional[Limits]], Array]  # what was recognized within limits
 
 
@@ -24,12 +22,10 @@ class RecognizeAction:
     Args:
         names: The names.
         calls: What waits for the next image; the node offers it functions of type Result.
-        calibration: The calibration of the camera, which may come after the first image.
     """
 
-    def __init__(self, names: List[str], calls: FrameCalls, calibration: CameraInfoListener):
+    def __init__(self, names: List[str], calls: FrameCalls):
         self._calls = calls
-        self._calibration = calibration
         for name in names:
             action_server(name, ObjectRecognitionAction, self._execute)
 
@@ -37,7 +33,6 @@ class RecognizeAction:
         try:
             limits = limits_of(goal.filter_limits) if goal.use_roi else None
             with self._calls.working():
-                self._calibration.wait(CALIBRATION_TIMEOUT)
                 made = self._calls.wait(TIMEOUT, lambda: _is_over(server))
             server.set_succeeded(ObjectRecognitionResult(made(limits)))
         except Exception as error:  # Of any kind, because actionlib would answer without a reason.

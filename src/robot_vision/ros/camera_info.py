@@ -73,22 +73,32 @@ class CameraInfoListener:
     def refuse(self) -> None:
         """Has a frame counted as refused for which camera() has returned None and said the reason.
 
-        It is not as long as nothing is said, because the first camera_info may still come.
+        It is not as long as nothing is said, because the first camera_info is on its way.
 
         Raises:
             ReportedFrameError: The frame is refused.
         """
-        if self._lacks:
+        if not self.is_on_its_way:
             raise ReportedFrameError(self.problem)
 
     def wait(self, seconds: float) -> None:
-        """Waits at most `seconds` for the first camera_info; the node has to be working."""
-        self._arrived.wait(seconds)
+        """Waits at most `seconds` for the first camera_info; the node has to be working.
+
+        It does not wait once its lack is said.
+        """
+        if self.is_on_its_way:
+            self._arrived.wait(seconds)
+
+    @property
+    def is_on_its_way(self) -> bool:
+        """Whether the first camera_info may still come, when camera() has returned None."""
+        return not self._lacks
 
     @property
     def problem(self) -> str:
         """What is missing and why, when camera() has returned None."""
-        return f"{self._lack}: {self._error or 'there is none'}"
+        error = self._error if self._info else ""
+        return f"{self._lack}: {error or 'there is none'}"
 
     @property
     def frame_id(self) -> str:
@@ -114,6 +124,7 @@ class CameraInfoListener:
         self._info = None
         self._arrived.clear()
         self._first_asked = 0.0
+        self._lacks = False
 
     def _report_missing(self) -> None:
         now = time.monotonic()
