@@ -80,13 +80,18 @@ def test_a_robot_that_was_stopped_stays_so_when_the_node_starts_again(robot, mon
     robot.drive.command(0.2, 0.0, seen=robot.now)
     assert robot.drive._on_enable(SetBoolRequest(False)).message == "stopped"
     assert robot.sent == [0.2, 0.0]
+    warned = MagicMock()
+    monkeypatch.setattr(rospy, "logwarn", warned)
     again = Robot(monkeypatch, robot.params)
+    warned.assert_called_once_with(
+        "stopped by the parameter ~enabled: the service ~enable lets it drive"
+    )
     again.drive.command(0.2, 0.0, seen=again.now)
     assert again.sent == []
     assert again.drive._on_enable(SetBoolRequest(True)).message == "driving"
     third = Robot(monkeypatch, robot.params)
     third.drive.command(0.2, 0.0, seen=third.now)
-    assert third.sent == [0.2]
+    assert third.sent == [0.2] and warned.call_count == 1
 
 
 def test_a_robot_stops_although_there_is_no_master(robot, monkeypatch):

@@ -42,6 +42,8 @@ class Drive:
         self._thread = current().thread(self._watch, "watchdog")
         current().service("~enable", SetBool, self._on_enable)
         current().on_end(self._end)
+        if not self.enabled:
+            rospy.logwarn("stopped by the parameter ~enabled: the service ~enable lets it drive")
         self._thread.start()
 
     def command(self, linear: float, angular: float, seen: float) -> None:
