@@ -297,6 +297,19 @@ def test_from_a_bag_and_into_the_detector(calibrate, start, bag, tmp_path):
     assert_near(matrix_of(bundle.pose.pose), body, 0.003, 0.5)
 
 
+def test_a_camera_info_of_the_images_themselves_may_tell_the_binning(calibrate, images, tmp_path):
+    info = calibrated()
+    info.binning_x = info.binning_y = 2
+    small = cv2.resize(images[1], (320, 240))
+    mixed = write_bag(tmp_path / "mixed.bag", [images[0], small], info)
+    error = refused(calibrate, tmp_path, "--bag", mixed, "--image", IMAGE)
+    assert f"camera_info is of 640x480, image 1 on {IMAGE} 320x240" in error
+    bag = write_bag(tmp_path / "binned.bag", images, info)
+    code, output = calibrate("--bag", bag, "--image", IMAGE)
+    assert code == 0, output
+    assert_learnt(tmp_path / "box.yaml")
+
+
 def test_compressed_images(calibrate, images, tmp_path):
     bag = write_bag(tmp_path / "box.bag", images, calibrated(), "png")
     code, output = calibrate("--bag", bag, "--image", IMAGE + "/compressed")

@@ -2,9 +2,11 @@
 
 import argparse
 import time
+from typing import Dict, Tuple
 
 import numpy as np
 import rosbag
+from sensor_msgs.msg import CameraInfo
 
 from .. import CameraModel, TagDetector, TagDetectorParams
 from ..common.errors import about
@@ -21,7 +23,6 @@ from ..ros.camera_info import camera_model, image_size
 from ..ros.transport import camera_info_beside
 from .frame_collection import FrameCollection
 
-CAMERA_INFO = ("sensor_msgs/CameraInfo",)
 PROGRESS = 1.0  # s between lines of progress
 
 
@@ -48,21 +49,32 @@ def collect_from_bag(
         kinds = topics_of(bag)
         require_topic(path, kinds, image, IMAGE_TYPES, "images")
         camera_info = arguments.camera_info or _beside(image, kinds[image])
-        require_topic(path, kinds, camera_info, CAMERA_INFO, "camera_info")
+        require_topic(path, kinds, camera_info, [CameraInfo._type], "camera_info")
         info = next(messages_on(bag, camera_info))
         with about(f"{path}: camera_info on {camera_info}"):
-            camera = camera_model(info, image_size(info))
-        _collect(bag, arguments, camera, collection, progress)
-        return camera
+            cameras = _cameras_of(info)
+        _collect(bag, arguments, cameras, collection, progress)
+        return next(iter(cameras.values()))
+
+
+def _cameras_of(info: CameraInfo) -> Dict[Tuple[int, int], CameraModel]:
+    """Returns the cameras that images may have, by their sizes.
+
+    Some drivers tell the binning, or the region, although camera_info is of the images themselves.
+    """
+    return {
+        size: camera_model(info, size) for size in (image_size(info), (info.width, info.height))
+    }
 
 
 def _collect(
     bag: rosbag.Bag,
     arguments: argparse.Namespace,
-    camera: CameraModel,
+    cameras: Dict[Tuple[int, int], CameraModel],
     collection: FrameCollection,
     progress: Progress,
 ) -> None:
+    """Offers the images to the collection, and leaves that camera which is of their size."""
     params = TagDetectorParams()
     params.families = [arguments.family]
     detector, image = TagDetector(params), arguments.image
@@ -73,12 +85,14 @@ def _collect(
                 gray = read()
                 tags = detector.detect(gray, "mono8")
             size = gray.shape[1::-1]
-            if size != (camera.width, camera.height):
+            if size not in cameras:
+                known = " or ".join("{}x{}".format(*one) for one in cameras)
                 raise ValueError(
-                    f"camera_info is of {camera.width}x{camera.height}, "
-                    f"{name} on {image} {size[0]}x{size[1]}"
+                    f"camera_info is of {known}, {name} on {image} {size[0]}x{size[1]}"
                 )
-            collection.add(camera, [(tag.id, np.asarray(tag.corners)) for tag in tags])
+            for other in cameras.keys() - {size}:
+                del cameras[other]
+            collection.add(cameras[size], [(tag.id, np.asarray(tag.corners)) for tag in tags])
             if collection.full:
                 return
             if time.monotonic() - last_progress > PROGRESS:
