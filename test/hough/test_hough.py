@@ -364,6 +364,17 @@ def test_circles_are_not_looked_for_in_noise():
     assert not found(noise, method="lines", blur="none").too_many_edges
 
 
+@NEEDS_ALT
+def test_circles_of_the_alternative_are_not_looked_for_in_so_many_edges_that_it_takes_seconds():
+    noise = np.random.default_rng(1).integers(0, 256, (360, 480), np.uint8)
+    values = {"method": "circles", "circle_method": "gradient_alt", "canny_high": 300.0}
+    close = found(noise, min_distance=1.0, **values)
+    assert close.too_many_edges and not close.circles
+    assert (close.edges > 0).mean() > 0.2
+    assert not found(noise, **values).too_many_edges
+    assert found(disc(110.0, 80.0, 40.0), min_distance=1.0, **values).circles
+
+
 def test_radius_0_is_that_of_the_image():
     image = disc(110.0, 80.0, 75.0)
     assert not found(image, method="circles", max_radius=60).circles
@@ -415,6 +426,18 @@ def test_an_accumulator_that_is_too_large_is_refused_before_it_is_made(method):
     ):
         transform.apply(np.zeros((1000, 1000), np.uint8), "mono8")
     assert not transform.apply(np.zeros((100, 100), np.uint8), "mono8").lines
+
+
+@pytest.mark.parametrize("method", ["lines", "segments"])
+def test_so_many_edges_that_they_vote_for_seconds_are_refused(method):
+    noise = np.random.default_rng(1).integers(0, 256, (480, 640), np.uint8)
+    text = (
+        r"^theta is 0\.05, must be larger, or canny_high, 150: the \d+ edge pixels of an image of"
+    )
+    with pytest.raises(ValueError, match=f"{text} 640x480 would vote for many seconds$"):
+        found(noise, method=method, theta=0.05)
+    found(noise, method=method, threshold=10000)
+    found(half_plane(320, 10, (480, 640)), method=method, theta=0.05)
 
 
 @pytest.mark.parametrize("method", ["lines", "segments"])

@@ -97,15 +97,17 @@ struct HoughResult
   cv::Mat edges;                     // CV_8UC1, 255 on the edges that vote; empty if they were not asked for
   std::vector<HoughLine> lines;      // or segments
   std::vector<HoughCircle> circles;  // their centres are inside of the image
-  bool too_many_edges = false;       // circles were not looked for, as they could not be told from chance
+  bool too_many_edges = false;       // circles were not looked for, see HoughTransform
 };
 
 /// Finds lines, segments and circles by their edges: cv::HoughLines, cv::HoughLinesP and cv::HoughCircles behind a blur
 /// and our EdgeDetector, which equals cv::Canny. The same image always gives the same result; with gradient_alt if
 /// OpenCV works in one thread.
 ///
-/// In an image full of noise cv::HoughCircles with HOUGH_GRADIENT takes many seconds. It is not called for edges that,
-/// spread at random over the image, would give each centre three quarters of accumulator_threshold.
+/// In an image full of noise cv::HoughCircles takes many seconds. With HOUGH_GRADIENT it is not called for edges that,
+/// spread at random over the image, would give each centre three quarters of accumulator_threshold, and with
+/// HOUGH_GRADIENT_ALT not for so many that their distances to all centres that min_distance and dp allow are more than
+/// 1.5 billion.
 class HoughTransform
 {
 public:
@@ -115,9 +117,9 @@ public:
   HoughTransform& operator=(HoughTransform&&);
   ~HoughTransform();
 
-  /// Finds what the parameters say in an image, which is not modified. Without `with_edges` no edges are returned,
-  /// which saves those that gradient_alt would not let out. Throws std::invalid_argument if `image` is not of
-  /// `encoding` (see encoding.hpp), or if rho and theta are too fine or too coarse for its size.
+  /// Finds what the parameters say in an image, which is not modified. Without `with_edges` no edges are returned.
+  /// Throws std::invalid_argument if `image` is not of `encoding` (see encoding.hpp), if rho and theta are too fine or
+  /// too coarse for its size, or theta is too fine for so many edges.
   HoughResult apply(const cv::Mat& image, const std::string& encoding, bool with_edges = true);
 
 private:

@@ -22,6 +22,7 @@ constexpr int kGradientAlt = cv::HOUGH_GRADIENT;
 #endif
 
 constexpr double kMaxVotesByChance = 0.75;  // of accumulator_threshold
+constexpr double kMaxDistances = 1.5e9;     // by gradient_alt from edges to centres in an image, up to 3 ns each
 
 bool isAlternative(const HoughParams& params)
 {
@@ -62,6 +63,15 @@ double votesByChance(const cv::Mat& edges, const HoughParams& params)
   const double mean_chord = CV_PI / 2.0 * area / (edges.cols + edges.rows);  // by Cauchy's formula
   const double cells_per_edge = std::min(both_sides, mean_chord) / params.dp;
   return cv::countNonZero(edges) * cells_per_edge / (area / (params.dp * params.dp));
+}
+
+/// Distances between edges and centres that gradient_alt looks at, if all is full of centres: a fifth of the
+/// accumulator's cells, or as many as are min_distance apart where they come in any order.
+double distancesToCenters(const cv::Mat& edges, const HoughParams& params)
+{
+  const auto area = static_cast<double>(edges.total());
+  const double apart = 0.7 / (params.min_distance * params.min_distance);
+  return cv::countNonZero(edges) * area * std::min(0.2 / (params.dp * params.dp), apart);
 }
 
 std::vector<HoughCircle> findCircles(const cv::Mat& gray, const HoughParams& params)
@@ -108,8 +118,10 @@ struct HoughTransform::Impl
     HoughResult result;
     if (isAlternative(params))
     {
-      result.circles = findCircles(gray, params);
-      if (with_edges) result.edges = scharrEdges(gray, params.canny_high);
+      const cv::Mat edges = scharrEdges(gray, params.canny_high);
+      result.too_many_edges = distancesToCenters(edges, params) > kMaxDistances;
+      if (!result.too_many_edges) result.circles = findCircles(gray, params);
+      if (with_edges) result.edges = edges;
       return result;
     }
     cv::Mat edges;

@@ -16,6 +16,8 @@ namespace
 {
 
 constexpr double kMaxCells = 1 << 25;      // of an accumulator, 4 bytes each
+constexpr double kMaxVotes = 1.2e9;        // of an image, some 1.5 ns each, of segments twice that
+constexpr double kCachedCells = 2e6;       // of an accumulator; so many more take the same time again for each vote
 constexpr double kRoundingError = 0.001;   // px
 constexpr double kMinDirection = 1e-9;     // below it a line is parallel to an axis
 constexpr double kDegree = CV_PI / 180.0;  // rad
@@ -51,8 +53,9 @@ std::optional<Ends> clipped(double rho, double theta, const cv::Size& size, doub
   return Ends(inside(foot + along * first), inside(foot + along * last));
 }
 
-void checkSteps(const cv::Size& size, const HoughParams& params)
+void checkSteps(const cv::Mat& edges, const HoughParams& params)
 {
+  const cv::Size size = edges.size();
   const std::string of_image = " of an image of " + toText(size);
   // With coarser ones rounding may lead OpenCV to cells beside its accumulator.
   require(params.rho <= std::max(std::min(size.width, size.height) / 3.0, 1.0), "rho", params.rho,
@@ -61,6 +64,11 @@ void checkSteps(const cv::Size& size, const HoughParams& params)
   require(cells <= kMaxCells, "rho", params.rho,
           "larger, or theta, " + toText(params.theta) + ": the accumulator" + of_image + " would have " +
               toText(cells) + " cells, more than " + toText(kMaxCells));
+  const int count = cv::countNonZero(edges);
+  const double votes = count * (180.0 / params.theta) * (1.0 + cells / kCachedCells);
+  require(votes <= kMaxVotes, "theta", params.theta,
+          "larger, or canny_high, " + toText(params.canny_high) + ": the " + std::to_string(count) + " edge pixels" +
+              of_image + " would vote for many seconds");
 }
 
 double lengthOf(const HoughLine& line)
@@ -84,7 +92,7 @@ HoughLine segmentOf(const cv::Vec4i& ends)
 
 std::vector<HoughLine> findStraightLines(const cv::Mat& edges, const HoughParams& params)
 {
-  checkSteps(edges.size(), params);
+  checkSteps(edges, params);
   const double step = params.theta * kDegree;
   std::vector<cv::Vec3f> found;
   cv::HoughLines(edges, found, params.rho, step, params.threshold);
@@ -110,7 +118,7 @@ std::vector<HoughLine> findStraightLines(const cv::Mat& edges, const HoughParams
 
 std::vector<HoughLine> findSegments(const cv::Mat& edges, const HoughParams& params)
 {
-  checkSteps(edges.size(), params);
+  checkSteps(edges, params);
   std::vector<cv::Vec4i> found;
   cv::HoughLinesP(edges, found, params.rho, params.theta * kDegree, params.threshold, params.min_length,
                   params.max_gap);

@@ -52,11 +52,13 @@ class Hough:
         with_edges = self._edges.get_num_connections() > 0
         try:
             result = transform.apply(frame.image, "bgr8", with_edges)
-        except ValueError as error:  # The steps may be too fine for such a large image.
+        except ValueError as error:  # The steps may be too fine for the image or its edges.
             raise FrameError(error) from None
         if result.too_many_edges:
             rospy.logwarn_throttle(
-                5.0, "no circles are looked for in so many edges: raise canny_high or blur_size"
+                5.0,
+                "no circles are looked for in so many edges: raise canny_high or blur_size, "
+                "or min_distance with gradient_alt",
             )
         if self._objects.get_num_connections():
             found = [line_detection(line, label, frame.image) for line in result.lines]
