@@ -125,6 +125,21 @@ def test_the_image_is_shrunk_to_the_lowest_window():
     assert not detect(STREET, min_height=2 * SIZE[1])
 
 
+@pytest.mark.parametrize("asked, taken", [(5, 4), (6, 8), (9, 8), (17, 16)])
+def test_strides_are_multiples_of_4(asked, taken):
+    found = [(one.box, one.weight) for one in detect(STREET, win_stride=asked)]
+    assert found == [(one.box, one.weight) for one in detect(STREET, win_stride=taken)]
+    assert found
+
+
+def test_a_search_of_many_seconds_is_refused():
+    values = {"scale": 1.02, "win_stride": 4, "max_width": 1920}
+    text = "max_width is 1920 with scale 1.02 and win_stride 4, must be less, or the image of"
+    with pytest.raises(ValueError, match=rf"^{text} 1920x1080 have at most \d+ pixels$"):
+        detect(np.zeros((1080, 1920, 3), np.uint8), **values)
+    assert len(detect(STREET, **values)) >= len(BOXES)
+
+
 def test_the_surest_are_kept():
     everything = detect(STREET, group_threshold=0.0, max_people=1000)
     assert len(everything) > 3

@@ -31,7 +31,7 @@ struct PeopleParams
     visit("hit_threshold", &PeopleParams::hit_threshold, Range{-1, 10}, "",
           "distance from the plane of the support vector machine above which a window has a person");
     visit("win_stride", &PeopleParams::win_stride, Range{4, 64}, "px",
-          "from one window to the next, in the image of each size");
+          "from one window to the next, in the image of each size; the nearest multiple of 4 is taken");
     visit("padding", &PeopleParams::padding, Range{0, 64}, "px",
           "around the image of each size, for people whom its edges cut");
     visit("scale", &PeopleParams::scale, Range{1.01, 2}, "", "from one size that is searched to the next");
@@ -51,8 +51,8 @@ struct PeopleParams
 struct Person
 {
   cv::Rect box;         // px, the detector's window, which is somewhat larger than the person; inside of the image
-  double weight = 0.0;  // distance from the plane of the support vector machine, as OpenCV gives it
-  double score = 0.0;   // 1 / (1 + exp(-weight)): 0 to 1, 0.5 on the plane
+  double weight = 0.0;  // distance from the plane of the support vector machine; with mean_shift the windows' density
+  double score = 0.0;   // 1 / (1 + exp(-weight)): 0 to 1, without mean_shift 0.5 on the plane
 };
 
 /// Finds people who stand or walk upright by histograms of oriented gradients and a support vector machine (Dalal,
@@ -66,7 +66,7 @@ public:
   explicit PeopleDetector(const PeopleParams& params = PeopleParams());
 
   /// The people in an image, the surest first. Throws std::invalid_argument if `image` is not an image of `encoding`
-  /// (see encoding.hpp).
+  /// (see encoding.hpp), and if the search would take many seconds.
   std::vector<Person> detect(const cv::Mat& image, const std::string& encoding) const;
 
 private:

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <opencv2/imgproc.hpp>
 #include <tuple>
 
+#include "core/common/work_limit.hpp"
 #include "core/image/rects.hpp"
+#include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
 
 namespace robot_vision
@@ -14,6 +17,9 @@ namespace
 {
 
 constexpr double kMinWindows = 1.5;  // that an image is shrunk to, along either side: a window alone fits nobody well
+constexpr int kBlockStride = 8;      // px, of the models
+constexpr int kCell = 4;             // px, that a stride is a multiple of
+constexpr double kMaxSteps = 6e7;    // of detectMultiScale for an image, up to 100 ns each
 
 cv::HOGDescriptor makeDescriptor(const PeopleParams& params)
 {
@@ -27,6 +33,25 @@ cv::HOGDescriptor makeDescriptor(const PeopleParams& params)
   cv::HOGDescriptor hog;
   hog.setSVMDetector(cv::HOGDescriptor::getDefaultPeopleDetector());
   return hog;
+}
+
+/// The nearest stride that is a multiple of kCell. OpenCV computes a block at each multiple of what divides the stride
+/// and kBlockStride: with odd strides at every pixel, which takes ten times as long.
+int strideOf(const PeopleParams& params)
+{
+  return (params.win_stride + kCell / 2) / kCell * kCell;
+}
+
+/// Work for each pixel of an image: the blocks of the images of all sizes, of which there is one for each kBlockStride
+/// in both directions.
+double stepsOf(const cv::Size& image, const cv::Size& window, const PeopleParams& params)
+{
+  const double smallest = std::min(1.0 * image.width / window.width, 1.0 * image.height / window.height);
+  double pixels = 0.0;  // as a share of the image's
+  for (double scale = 1.0; scale <= smallest; scale *= params.scale)
+    pixels += 1.0 / (scale * scale);
+  const int finer = kBlockStride / std::gcd(kBlockStride, strideOf(params));
+  return pixels * finer * finer;
 }
 
 /// A box in an image that is larger by these factors, and inside of it.
@@ -68,12 +93,15 @@ std::vector<Person> PeopleDetector::detect(const cv::Mat& image, const std::stri
   const cv::Size size = scaledSize(bgr.size(), scaleOf(bgr.size()));
   // OpenCV would read beyond an image that is smaller than its window.
   if (size.width < hog_.winSize.width || size.height < hog_.winSize.height) return {};
+  requireWork("max_width is " + toText(params_.max_width) + " with scale " + toText(params_.scale) +
+                  " and win_stride " + toText(params_.win_stride),
+              stepsOf(size, hog_.winSize, params_), size, kMaxSteps);
   cv::Mat smaller = bgr;
   if (size != bgr.size()) cv::resize(bgr, smaller, size, 0.0, 0.0, cv::INTER_AREA);
 
   std::vector<cv::Rect> boxes;
   std::vector<double> weights;
-  const cv::Size stride(params_.win_stride, params_.win_stride), padding(params_.padding, params_.padding);
+  const cv::Size stride(strideOf(params_), strideOf(params_)), padding(params_.padding, params_.padding);
   hog_.detectMultiScale(smaller, boxes, weights, params_.hit_threshold, stride, padding, params_.scale,
                         params_.group_threshold, params_.mean_shift);
   const double scale_x = static_cast<double>(bgr.cols) / size.width;

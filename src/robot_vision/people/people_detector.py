@@ -10,7 +10,7 @@ from ..ros.image_node import ImageNode
 from ..ros.live_params import LiveParams, filled
 from ..ros.messages import box_detection, corners, detection_array
 from ..ros.startup import run_node
-from ..ros.transport import Frame
+from ..ros.transport import Frame, FrameError
 
 
 class PeopleDetector:
@@ -30,7 +30,10 @@ class PeopleDetector:
         self._detector = Detector(filled(PeopleParams(), config))
 
     def _process(self, frame: Frame) -> None:
-        people = self._detector.detect(frame.image)
+        try:
+            people = self._detector.detect(frame.image)
+        except ValueError as error:  # The search would take too long in such a large image.
+            raise FrameError(error) from None
         if self._people.get_num_connections():
             found = (box_detection(one.box, "person", score=one.score) for one in people)
             self._people.publish(detection_array(frame, found))
