@@ -38,7 +38,7 @@ struct SpectrumParams
     visit("width", &SpectrumParams::width, Above{0, 1.5}, "", "width of band_pass, as share of the Nyquist frequency");
     visit("order", &SpectrumParams::order, Range{1, 10}, "", "butterworth: how steep the filter falls off");
     visit("min_response", &SpectrumParams::min_response, Range{0, 1}, "",
-          "least response of a shift; of 640x480 px that have nothing in common it is up to 0.03");
+          "least response of a shift; of 640x480 px that have nothing in common it is up to 0.04, of fewer more");
     visit("max_gap", &SpectrumParams::max_gap, Above{0, 3600}, "s",
           "shift: between two frames that are compared; a later one begins anew");
   }
@@ -100,7 +100,8 @@ struct ImageShift
 };
 
 /// Finds how far the image has moved since the last frame, by phase correlation: cv::phaseCorrelate of the gray images
-/// under a Hann window, filled up with zeros to even sizes, as with odd ones that function is wrong by half a pixel.
+/// less their means under a Hann window, filled up with zeros to even sizes, as with odd ones that function is wrong by
+/// half a pixel. Images of a single gray have no shift.
 class PhaseCorrelator
 {
 public:

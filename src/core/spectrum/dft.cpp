@@ -34,10 +34,10 @@ cv::Mat rolled(const cv::Mat& image, const cv::Point& by)
 
 }  // namespace
 
-cv::Mat toFloat(const cv::Mat& gray, bool is_faded)
+cv::Mat toFloat(const cv::Mat& gray, bool is_faded, double black)
 {
   cv::Mat image;
-  gray.convertTo(image, CV_32F);
+  gray.convertTo(image, CV_32F, 1.0, -black);
   if (!is_faded) return image;
   const std::vector<float> columns = hannWindow(image.cols), rows = hannWindow(image.rows);
   for (int y = 0; y < image.rows; ++y)

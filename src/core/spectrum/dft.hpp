@@ -5,9 +5,9 @@
 namespace robot_vision
 {
 
-/// The gray image (CV_8UC1) as CV_32FC1, times a Hann window if `is_faded`: the product of one in each direction, of
-/// which one below 3 px, where it would be 0 everywhere, is left out.
-cv::Mat toFloat(const cv::Mat& gray, bool is_faded);
+/// The gray image (CV_8UC1) less `black` as CV_32FC1, times a Hann window if `is_faded`: the product of one in each
+/// direction, of which one below 3 px, where it would be 0 everywhere, is left out.
+cv::Mat toFloat(const cv::Mat& gray, bool is_faded, double black = 0.0);
 
 /// The size itself, or if `is_optimal` the next one that cv::dft is fast with.
 cv::Size dftSize(const cv::Size& size, bool is_optimal);

@@ -21,6 +21,13 @@ int evenSize(int length)
   return std::max(kMinSide, 2 * cv::getOptimalDFTSize((length + 1) / 2));
 }
 
+/// The image without its mean and faded out. With the mean the window would be seen in it, which never moves.
+cv::Mat withoutMean(const cv::Mat& gray)
+{
+  const double mean = cv::sum(gray)[0] / static_cast<double>(gray.total());
+  return toFloat(gray, /*is_faded=*/true, mean);
+}
+
 }  // namespace
 
 struct PhaseCorrelator::Impl
@@ -31,7 +38,7 @@ struct PhaseCorrelator::Impl
   {
     const cv::Mat gray = buffer.gray(image, encoding);
     const cv::Size size(evenSize(gray.cols), evenSize(gray.rows));
-    const cv::Mat next = filledUp(toFloat(gray, /*is_faded=*/true), size);
+    const cv::Mat next = filledUp(withoutMean(gray), size);
     const cv::Mat before = std::exchange(last, next);
     if (!sequence.follows(time_s, gray.size())) return std::nullopt;
     ImageShift shift;
@@ -49,7 +56,7 @@ struct PhaseCorrelator::Impl
   SpectrumParams params;
   FrameSequence sequence;
   ConversionBuffer buffer;
-  cv::Mat last;  // CV_32FC1, faded out towards its borders
+  cv::Mat last;  // CV_32FC1, without its mean and faded out towards its borders
 };
 
 PhaseCorrelator::PhaseCorrelator(const SpectrumParams& params)
