@@ -335,6 +335,15 @@ def test_too_many_templates_are_refused():
         matcher(large, max_scale=5.0, scale_steps=4)
 
 
+def test_an_image_in_which_the_search_would_take_many_seconds_is_refused():
+    made = matcher(*[STAR] * 4, color=True, min_scale=0.5, max_scale=2.0, scale_steps=50)
+    text = "scale_steps is 50 for 4 templates in color, must be less, or the image of 640x480"
+    with pytest.raises(ValueError, match=f"^{text} have at most 106666 pixels$"):
+        made.match(np.zeros((480, 640, 3), np.uint8))
+    few = matcher(STAR, texture(1, (500, 20)), max_scale=2.0, scale_steps=50)  # one is too large
+    assert few.match(np.zeros((40, 60, 3), np.uint8)).too_large == [1]
+
+
 def test_the_response_as_an_image_is_white_at_the_best_place():
     template = IMAGE[30:54, 40:70]
     for method in METHODS:

@@ -93,7 +93,9 @@ public:
   /// and if all templates in all scales would be more than 200, or have more than 64 million pixels.
   int add(const cv::Mat& image, const std::string& encoding, const cv::Mat& mask = cv::Mat());
 
-  /// Finds the templates in an image, which is not modified. Throws std::invalid_argument if it is not of `encoding`.
+  /// Finds the templates in an image, which is not modified. Throws std::invalid_argument if it is not of `encoding`,
+  /// and if it is so large that all templates in all scales would take many seconds: if its pixels in each channel, for
+  /// each template and scale, are more than 64 million.
   TemplateMatches match(const cv::Mat& image, const std::string& encoding, bool wants_response = false) const;
 
 private:

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 
+#include "core/common/work_limit.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
 #include "template_methods.hpp"
@@ -14,7 +15,8 @@ namespace
 {
 
 constexpr double kMaxVariants = 200;
-constexpr double kMaxPixels = 64e6;  // of all variants
+constexpr double kMaxPixels = 64e6;   // of all variants
+constexpr double kMaxMatched = 64e6;  // pixels of an image, in each channel and for each variant, up to 120 ns each
 
 /// The image in what templates are compared in; it may be the image itself.
 cv::Mat converted(const cv::Mat& image, const std::string& encoding, bool color)
@@ -91,6 +93,15 @@ struct TemplateMatcher::Impl
             "at most " + toText(kMaxPixels));
   }
 
+  void requireTime(const cv::Mat& image) const
+  {
+    const auto fitting = std::count_if(variants.begin(), variants.end(),
+                                       [&image](const TemplateVariant& variant) { return variant.fits(image.size()); });
+    requireWork("scale_steps is " + toText(params.scale_steps) + " for " + toText(count) + " templates" +
+                    (params.color ? " in color" : ""),
+                static_cast<double>(fitting) * image.channels(), image.size(), kMaxMatched);
+  }
+
   TemplateParams params;
   int count = 0;  // of templates
   std::vector<TemplateVariant> variants;
@@ -127,6 +138,7 @@ TemplateMatches TemplateMatcher::match(const cv::Mat& image, const std::string& 
   const TemplateParams& params = impl_->params;
   const std::vector<TemplateVariant>& variants = impl_->variants;
   const cv::Mat pixels = converted(image, encoding, params.color);
+  impl_->requireTime(pixels);
   TemplateMatches found;
   std::vector<TemplatePeak> peaks;
   std::vector<bool> fits(static_cast<std::size_t>(impl_->count));
@@ -134,7 +146,7 @@ TemplateMatches TemplateMatcher::match(const cv::Mat& image, const std::string& 
   for (std::size_t i = 0; i < variants.size(); ++i)
   {
     const TemplateVariant& variant = variants[i];
-    if (variant.pixels.cols > pixels.cols || variant.pixels.rows > pixels.rows) continue;
+    if (!variant.fits(pixels.size())) continue;
     fits[static_cast<std::size_t>(variant.index)] = true;
     const cv::Mat response = templateResponse(pixels, variant.pixels, variant.mask, params.method);
     const std::vector<TemplatePeak> of_variant = variant.peaks(response, i, params);

@@ -32,6 +32,8 @@ struct TemplateVariant
   double largest = 0.0;   // response of ccorr or ccoeff in any image
   double contrast = 0.0;  // gray levels: standard deviation, or without ccoeff's mean the root of the mean square
 
+  bool fits(const cv::Size& image) const { return pixels.cols <= image.width && pixels.rows <= image.height; }
+
   /// 0 to 1, of a response.
   double score(double response, const std::string& method) const;
 

@@ -19,7 +19,7 @@ from ..ros.live_params import LiveParams, filled
 from ..ros.messages import Box, box_detection, corners, detection_array
 from ..ros.selections import Selection, Selections
 from ..ros.startup import run_node
-from ..ros.transport import Frame
+from ..ros.transport import Frame, FrameError
 from .template_files import Template, load_templates
 
 SELECTED = "selected"  # name of the template that was selected in the image
@@ -69,7 +69,10 @@ class TemplateMatcher:
             self._selections.keep_working()
             work = self._work
         wants_response = self._response.get_num_connections() > 0
-        found = work.matcher.match(frame.image, response=wants_response)
+        try:
+            found = work.matcher.match(frame.image, response=wants_response)
+        except ValueError as error:  # All templates would take too long in such a large image.
+            raise FrameError(error) from None
         self._warn_of_large(work, found)
         if self._objects.get_num_connections():
             detections = [detection_of(one, work.names) for one in found.matches]
