@@ -133,7 +133,14 @@ def laplacian(c):
 
 def color_range(c):
     image = c.image if c.space == "bgr" else cv2.cvtColor(c.image, SPACES[c.space])
-    return cv2.inRange(image, (c.low_1, c.low_2, c.low_3), (c.high_1, c.high_2, c.high_3))
+    parts = [(c.low_1, c.high_1)]
+    if c.low_1 > c.high_1:
+        parts = [(c.low_1, 255), (0, c.high_1)]
+    masks = [
+        cv2.inRange(image, (low, c.low_2, c.low_3), (high, c.high_2, c.high_3))
+        for low, high in parts
+    ]
+    return np.maximum(masks[0], masks[-1])
 
 
 def perspective(c):
@@ -291,6 +298,13 @@ REFERENCES = {
 }
 
 
+# Parameters of which the first must not be above the second.
+ORDERED = {
+    "color_range": [("low_2", "high_2"), ("low_3", "high_3")],
+    "normalize": [("low", "high")],
+}
+
+
 def random_value(random, param):
     """A value within a parameter's limits, which are those of the messages."""
     kind, limits = type(param.initial), param.limits
@@ -321,6 +335,8 @@ def random_case(random, operation):
     shape = SIZES[random.integers(len(SIZES))]
     images = [random_image(random, shape, layout) for layout in (encoding, second)]
     values = {param.name: random_value(random, param) for param in operation.params}
+    for pair in ORDERED.get(operation.name, ()):
+        values.update(zip(pair, sorted(values[name] for name in pair)))
     return Case(*images, encoding, values), second
 
 
@@ -330,6 +346,10 @@ REFUSED = {
     "clahe": (
         lambda c: c.encoding == "mono16" and c.tiles > 16,
         "tiles is .*, must be at most 16 for mono16$",
+    ),
+    "color_range": (
+        lambda c: c.low_1 > c.high_1 and c.space not in ("hsv", "hls"),
+        "high_1 is .*, must be at least low_1",
     ),
     "roi": (lambda c: c.x >= c.width_height[0] or c.y >= c.width_height[1], "must be inside of"),
     "sobel": (
@@ -386,6 +406,14 @@ def test_bad_values_are_refused_by_name(operation):
             rv.FilterChain([operation.name], {name: wrong})
 
 
+@pytest.mark.parametrize("space", ["hsv", "hls"])
+def test_a_range_of_hues_goes_through_red(space):
+    red, pink, blue = (0, 0, 220), (60, 0, 220), (220, 0, 0)
+    image = np.uint8([[red, pink, blue]])
+    values = {"low_1": 160, "high_1": 10, "low_2": 50, "low_3": 50}
+    np.testing.assert_array_equal(filters.color_range(image, space, **values), [[255, 255, 0]])
+
+
 def test_chain_does_one_operation_after_the_other():
     image = random_image(np.random.default_rng(1), (48, 64), "bgr8")
     gray = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
@@ -435,6 +463,21 @@ def test_other_encodings_are_converted_once():
         (["box"] * 33, {}, "chain has 33 operations, must have at most 32"),
         (["box"], {"box_width": 3}, "'box_width' is no operation's parameter"),
         (["box"], {"gaussian_size": 4}, "gaussian_size is 4, must be odd and from 1 to 255"),
+        (
+            ["normalize"],
+            {"normalize_low": 200.0, "normalize_high": 50.0},
+            "normalize: high is 50, ",
+        ),
+        (
+            ["color_range"],
+            {"color_range_low_2": 200, "color_range_high_2": 50},
+            "color_range: high_2 ",
+        ),
+        (
+            ["color_range"],
+            {"color_range_low_3": 200, "color_range_high_3": 50},
+            "color_range: high_3 ",
+        ),
         (["kernel"], {"kernel_rows": "1 2; 3"}, "kernel: rows must have the same number"),
         (["kernel"], {"kernel_rows": "1 x"}, "kernel: 'x' in rows is no number"),
         (["kernel"], {"kernel_rows": ""}, "kernel: rows must be 1 to 31 rows"),

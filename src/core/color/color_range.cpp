@@ -7,6 +7,7 @@
 
 #include "color_codes.hpp"
 #include "core/image/row_bands.hpp"
+#include "range_mask.hpp"
 #include "robot_vision/color/hsv.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
@@ -36,23 +37,6 @@ bool isLight(const ColorChannel& channel)
 HsvRange toHsvRange(const ColorRange& range)
 {
   return {range.low[0], range.low[1], range.low[2], range.high[0], range.high[1], range.high[2]};
-}
-
-/// cv::inRange of pixels that are in the range's space; `rest` is memory for a range through red.
-void compare(const cv::Mat& pixels, const ColorRange& range, bool through_red, cv::Mat& mask, cv::Mat& rest)
-{
-  cv::Scalar low(range.low[0], range.low[1], range.low[2]), high(range.high[0], range.high[1], range.high[2]);
-  if (!through_red)
-  {
-    cv::inRange(pixels, low, high, mask);
-    return;
-  }
-  high[0] = 255;
-  cv::inRange(pixels, low, high, mask);
-  low[0] = 0;
-  high[0] = range.high[0];
-  cv::inRange(pixels, low, high, rest);
-  cv::bitwise_or(mask, rest, mask);
 }
 
 /// Has OpenCV make its tables for Lab, which several threads must not do at the same time, and which take 0.2 s.
@@ -123,7 +107,8 @@ void ColorMask::apply(const cv::Mat& image, const std::string& encoding, cv::Mat
                       const cv::Mat input = pixels.rowRange(some);
                       cv::Mat output = mask.rowRange(some);
                       if (code != kNoColorCode) cv::cvtColor(input, converted, code);
-                      compare(code == kNoColorCode ? input : converted, impl_->range, impl_->through_red, output, rest);
+                      findInRange(code == kNoColorCode ? input : converted, impl_->range.low, impl_->range.high,
+                                  impl_->through_red, output, rest);
                     }
                   });
 }

@@ -1,7 +1,10 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include "core/color/color_codes.hpp"
+#include "core/color/range_mask.hpp"
 #include "operation_table.hpp"
+#include "robot_vision/common/range.hpp"
 
 using namespace std::string_literals;
 
@@ -19,6 +22,27 @@ constexpr OneOf kRangeSpaces = {"bgr, hsv, hls, lab, luv, ycrcb or xyz", "'"};
 OperationParam bound(const std::string& name, int initial, const std::string& meaning)
 {
   return {name, initial, Range{0, 255}, "", meaning};
+}
+
+Operation::Step makeColorRange(const OperationValues& v)
+{
+  const std::string space = v.word("space");
+  const cv::Vec3i low(v.integer("low_1"), v.integer("low_2"), v.integer("low_3"));
+  const cv::Vec3i high(v.integer("high_1"), v.integer("high_2"), v.integer("high_3"));
+  const bool has_hues = space == "hsv" || space == "hls";
+  const bool through_red = has_hues && low[0] > high[0];
+  for (int i = through_red ? 1 : 0; i < 3; ++i)
+  {
+    const std::string number = std::to_string(i + 1);
+    require(high[i] >= low[i], "high_" + number, high[i], "at least low_" + number + ", " + toText(low[i]));
+  }
+  const int code = space == "bgr" ? kNoColorCode : v.choice("space", kFromBgr);
+  return [=](const OperationInput& in, cv::Mat& out)
+  {
+    cv::Mat converted, rest;
+    if (code != kNoColorCode) cv::cvtColor(in.image, converted, code);
+    findInRange(code == kNoColorCode ? in.image : converted, low, high, through_red, out, rest);
+  };
 }
 
 }  // namespace
@@ -44,22 +68,13 @@ std::vector<Operation> colorOperations()
        kBgrOnly,
        "mono8",
        {{"space", "hsv"s, kRangeSpaces, "", "the colour space whose channels are compared"},
-        bound("low_1", 0, "least value of the first channel"),
+        bound("low_1", 0, "least value of the first channel; of a hue above high_1: from there through red to high_1"),
         bound("low_2", 80, "least value of the second channel"),
         bound("low_3", 80, "least value of the third channel"),
         bound("high_1", 15, "largest value of the first channel"),
         bound("high_2", 255, "largest value of the second channel"),
         bound("high_3", 255, "largest value of the third channel")},
-       eachTime(
-           [](const OperationValues& v, const OperationInput& in, cv::Mat& out)
-           {
-             cv::Mat converted;
-             const bool is_bgr = v.word("space") == "bgr";
-             if (!is_bgr) cv::cvtColor(in.image, converted, v.choice("space", kFromBgr));
-             cv::inRange(is_bgr ? in.image : converted,
-                         cv::Scalar(v.integer("low_1"), v.integer("low_2"), v.integer("low_3")),
-                         cv::Scalar(v.integer("high_1"), v.integer("high_2"), v.integer("high_3")), out);
-           })},
+       makeColorRange},
       {"mask",
        "The other image, black where this one is: cv::bitwise_and with a mask.",
        kGrayOnly,

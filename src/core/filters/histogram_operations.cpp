@@ -50,13 +50,17 @@ std::vector<Operation> histogramOperations()
        kOpaque,
        "",
        {{"low", 0.0, Range{0, 255}, "gray levels", "of the least value"},
-        {"high", 255.0, Range{0, 255}, "gray levels", "of the largest value"}},
-       eachTime(
-           [](const OperationValues& v, const OperationInput& in, cv::Mat& out)
-           {
-             const double level = grayLevel(in.image);
-             cv::normalize(in.image, out, v.number("low") * level, v.number("high") * level, cv::NORM_MINMAX);
-           })},
+        {"high", 255.0, Range{0, 255}, "gray levels", "of the largest value; at least low"}},
+       [](const OperationValues& v) -> Operation::Step
+       {
+         const double low = v.number("low"), high = v.number("high");
+         require(high >= low, "high", high, "at least low, " + toText(low));
+         return [low, high](const OperationInput& in, cv::Mat& out)
+         {
+           const double level = grayLevel(in.image);
+           cv::normalize(in.image, out, low * level, high * level, cv::NORM_MINMAX);
+         };
+       }},
   };
 }
 
