@@ -492,6 +492,16 @@ def test_what_cannot_be_is_refused_in_words(values, text):
         rv.ContourFinder(params(**values))
 
 
+def test_a_hierarchy_that_would_take_many_seconds_is_refused():
+    stripes = np.tile(np.uint8([0, 255]), (1000, 501))  # 1001 changes in each row
+    text = "must be list or external, or blur_size larger: the mask of 1002x1000 changes 1001000 "
+    for mode in ("tree", "ccomp"):
+        with pytest.raises(ValueError, match=f"^mode is {mode}, {text}"):
+            contours_of(stripes, mode=mode)
+    for mode, rows in (("list", 1000), ("external", 1000), ("tree", 990)):
+        assert len(contours_of(stripes[:rows], mode=mode, min_area=0.0, max_contours=5)) == 5
+
+
 def test_an_image_of_another_encoding_is_refused_and_of_any_encoding_taken():
     with pytest.raises(ValueError, match="mono8"):
         rv.ContourFinder().apply(SCENE, "mono8")

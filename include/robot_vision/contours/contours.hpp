@@ -143,7 +143,8 @@ public:
   ~ContourFinder();
 
   /// The contours of an image, which is not modified, and how far each is from `point` (px). Throws
-  /// std::invalid_argument if `image` is not of `encoding` (see encoding.hpp).
+  /// std::invalid_argument if `image` is not of `encoding` (see encoding.hpp), and with modes ccomp and tree, whose
+  /// search would take many seconds then, if its black and white changes more than a million times along its rows.
   ContourResult apply(const cv::Mat& image, const std::string& encoding,
                       const std::optional<cv::Point2d>& point = std::nullopt);
 

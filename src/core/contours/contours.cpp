@@ -19,6 +19,8 @@ namespace
 
 using Outline = std::vector<cv::Point>;
 
+constexpr double kMaxChanges = 1e6;  // along the rows of a mask: some seconds, which grow with the square
+
 const std::map<std::string, int> kModes = {
     {"external", cv::RETR_EXTERNAL}, {"list", cv::RETR_LIST}, {"ccomp", cv::RETR_CCOMP}, {"tree", cv::RETR_TREE}};
 const std::map<std::string, int> kApproximations = {{"none", cv::CHAIN_APPROX_NONE},
@@ -27,6 +29,20 @@ const std::map<std::string, int> kApproximations = {{"none", cv::CHAIN_APPROX_NO
                                                     {"tc89_kcos", cv::CHAIN_APPROX_TC89_KCOS}};
 const std::map<std::string, int> kMatchMethods = {
     {"I1", cv::CONTOURS_MATCH_I1}, {"I2", cv::CONTOURS_MATCH_I2}, {"I3", cv::CONTOURS_MATCH_I3}};
+
+/// To find the contour around another one OpenCV follows all borders that it may be, again for each: in noise, where
+/// one border goes through the whole image, that is the square of what is there. Throws std::invalid_argument if it
+/// would take many seconds.
+void requireTime(const cv::Mat& mask, const ContourParams& params)
+{
+  if (mask.cols < 2 || params.mode == "list" || params.mode == "external") return;
+  cv::Mat changes;
+  cv::bitwise_xor(mask.colRange(1, mask.cols), mask.colRange(0, mask.cols - 1), changes);
+  const int count = cv::countNonZero(changes);
+  require(count <= kMaxChanges, "mode", params.mode,
+          "list or external, or blur_size larger: the mask of " + toText(mask.size()) + " changes " +
+              std::to_string(count) + " times along its rows, more than " + toText(kMaxChanges));
+}
 
 /// Of a mask of white things, which are 255.
 struct FoundContours
@@ -96,6 +112,7 @@ struct ContourFinder::Impl
   {
     ContourResult result;
     result.mask = maskOf(image, encoding);
+    requireTime(result.mask, params);
     const FoundContours found(result.mask, params.mode, params);
     std::map<int, int> positions;  // in the result, by the index in `found`
     for (const int index : found.largest(params.min_area, params.max_contours))

@@ -13,7 +13,7 @@ from ..ros.image_node import ImageNode
 from ..ros.live_params import LiveParams, filled
 from ..ros.messages import detection_array
 from ..ros.startup import run_node
-from ..ros.transport import Frame
+from ..ros.transport import Frame, FrameError
 from .contour_drawing import DRAWN, draw_contours
 from .contour_messages import contour_array, contour_detection, label_of
 
@@ -56,7 +56,10 @@ class Contours:
 
     def _process(self, frame: Frame) -> None:
         (finder, drawn), point = self._tools, self._point
-        result = finder.apply(frame.image, "bgr8", point)
+        try:
+            result = finder.apply(frame.image, "bgr8", point)
+        except ValueError as error:  # Noise in a large image would take too long.
+            raise FrameError(error) from None
         if self._contours.get_num_connections():
             self._contours.publish(contour_array(frame, result.contours, point))
         if self._objects.get_num_connections():
