@@ -37,6 +37,11 @@ class Desk:
         ]
         self._camera.wait_for()
 
+    def begin_anew(self):
+        """Has the stamps begin anew, with others than those that were."""
+        self._camera = Camera(11.0, self._camera.topic)
+        self._camera.wait_for()
+
     def show(self, pixels):
         """Sends a frame; its keypoints, matches, objects and overlay."""
         header = self._camera.show(pixels)
@@ -146,6 +151,10 @@ def test_points_are_matched_with_the_frame_before(start, arguments):
     assert has(drawn[y - 1 : y + 2, x - 1 : x + 2], GREEN).any()
     x, y = round(x + 4.5), round(y - 3)  # half of the way back
     assert (drawn[y - 1 : y + 2, x - 1 : x + 2] != moved[y - 1 : y + 2, x - 1 : x + 2]).any()
+    desk.begin_anew()
+    _, matches, _, _ = desk.show(PORTRAIT)
+    assert not matches.points and matches.reference_stamp == rospy.Time()
+    assert desk.show(moved)[1].points
     support.reconfigured("/features", min_inliers=11)
     assert not desk.show(PORTRAIT)[1].points  # another matcher has no last frame
 

@@ -31,6 +31,11 @@ class Work:
             self.label = name_of(config["reference"])
         self._last: Optional[rospy.Time] = None  # stamp of the last frame that was matched
 
+    def forget_if_later(self, stamp: rospy.Time) -> None:
+        """Forgets the last frame if it is later than this stamp: a bag has begun anew."""
+        if self._last and stamp < self._last:
+            self.forget()
+
     def stamp_of_reference(self, frame: Frame) -> rospy.Time:
         """Returns the stamp of the frame that this one is matched with, if it is not a file."""
         last, self._last = self._last, frame.header.stamp
@@ -65,6 +70,7 @@ class Features:
         work = self._work
         outputs = (self._matches, self._objects, self._processed)
         matches = any(output.get_num_connections() for output in outputs)
+        work.forget_if_later(frame.header.stamp)
         found = work.matcher.update(frame.image, matches=matches)
         if self._keypoints.get_num_connections():
             self._keypoints.publish(keypoints_message(frame, work.detector, found.keypoints))
