@@ -165,10 +165,13 @@ def test_a_state_of_something_else_is_refused(path, mesh):
         TEXTURES.trainer(stored, TEXTURES.complete(FAST), b"something else")
 
 
-def test_what_has_no_texture_or_nothing_at_all_says_so(run, path):
+def test_what_has_no_texture_says_so_and_the_others_are_learned(run, path, mesh):
     add(path, "plain", box(SIZE, 0, plain=True))
-    code, _, err = run()
-    assert code == 1 and "it has too little texture, and needs a method that knows shapes" in err
+    add(path, "tea", mesh)
+    code, out, err = run()
+    assert code == 1 and err.startswith("not learned: plain: TOD: the number of keypoints of the ")
+    assert "it has too little texture, and needs a method that knows shapes" in err
+    assert out.endswith("tea: TOD: 12 views learned\n")
     with Database(path) as database:
         assert database.models.of(database.objects.find("plain").id, "TOD") is None
 

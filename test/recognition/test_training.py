@@ -1,9 +1,11 @@
 """training: what needs it is learned, progress is told, and Ctrl-C loses nothing."""
 
+import contextlib
 import hashlib
 import io
 import json
 import re
+import sqlite3
 
 import pytest
 
@@ -259,8 +261,27 @@ def test_objects_without_a_mesh(run, path, method):
 def test_a_mesh_that_cannot_be_learned(run, path):
     add(path, "coke", b"bad")
     code, out, err = run()
-    said = "training: coke: LINEMOD: the mesh has no triangles\n"
-    assert (code, out, err) == (1, "", said)
+    said = "not learned: coke: LINEMOD: the mesh has no triangles\n"
+    assert (code, out, err) == (1, "", f"{said}training: not all objects were learned\n")
+
+
+def test_what_cannot_be_learned_leaves_the_others(run, path):
+    """Also what is damaged in the database."""
+    add(path, "bottle", b"bad")
+    damaged = add(path, "box", b"box")
+    add(path, "coke", b"can")
+    with contextlib.closing(sqlite3.connect(path)) as file, file:
+        values = "[7]", damaged.id
+        file.execute("UPDATE meshes SET symmetries = ? WHERE object_id = ?", values)
+    text = "pipeline1: {type: LinemodTrainer}\npipeline2: {type: PpfTrainer}"
+    code, _, err = run(text=text)
+    titles = [f"not learned: {name}" for name in PIPELINES_OF_BAD]
+    assert code == 1 and [": ".join(one.split(": ")[:3]) for one in err.splitlines()[:-1]] == titles
+    assert model(path, "coke") is not None and model(path, "coke", "PPF") is not None
+
+
+# What is damaged is told before the trainings of a pipeline begin.
+PIPELINES_OF_BAD = ["box: LINEMOD", "bottle: LINEMOD", "box: PPF", "bottle: PPF"]
 
 
 def test_several_pipelines(run, path, method, tmp_path):
@@ -313,6 +334,13 @@ def test_another_database(run, tmp_path, method):
     assert run("--database", other)[0] == 0
     assert run(text=f"pipeline1: {{type: LINEMOD, db: {{type: SQLite, root: {other}}}}}")[0] == 0
     assert method.begun == [0]
+
+
+def test_an_error_has_a_line_of_its_own_on_a_terminal():
+    terminal = Terminal()
+    with pytest.raises(ValueError), TrainingProgress("coke: PPF", 0, 200, terminal):
+        raise ValueError
+    assert terminal.getvalue() == "\r\033[K"
 
 
 class Terminal(io.StringIO):

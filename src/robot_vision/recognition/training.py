@@ -21,7 +21,7 @@ from .ork_pipelines import (
     unknown_warnings,
 )
 from .ork_runs import add_choice, choose_objects, database_of, tell
-from .training_run import Task, task_of, train
+from .training_run import Task, task_of, title_of, train
 
 PROGRAM = "training"
 EXAMPLES = """examples, all objects that need it, some of them, and all anew:
@@ -57,7 +57,8 @@ def run(arguments: argparse.Namespace) -> None:
 
     Raises:
         OSError: A file cannot be read, or the database not be written.
-        ValueError: A file is wrong, or there is nothing that can be learned.
+        ValueError: A file is wrong, there is nothing that can be learned, or some objects could not
+            be, which the others are learned in spite of.
     """
     file = read_ork(arguments.config_file)
     pipelines = [one for one in pipelines_of(file) if one.method != TABLES]
@@ -68,14 +69,31 @@ def run(arguments: argparse.Namespace) -> None:
     tell(file)
     if not pipelines:
         raise ValueError(f"{file.path}: no pipeline in it learns anything")
+    failures = _Failures()
     for pipeline in pipelines:
         path = database_of(arguments, pipeline, file.path)
         with Database(path, True, make=False) as database:
-            for task in _tasks(database, pipeline):
-                train(database, task, arguments.force)
+            for task in _tasks(database, pipeline, failures):
+                try:
+                    train(database, task, arguments.force)
+                except ValueError as error:
+                    failures.tell(error)
+    if failures.count:
+        raise ValueError("not all objects were learned")
 
 
-def _tasks(database: Database, pipeline: Pipeline) -> List[Task]:
+class _Failures:
+    """Why objects cannot be learned: the others are learned all the same."""
+
+    def __init__(self) -> None:
+        self.count = 0
+
+    def tell(self, error: ValueError) -> None:
+        print(f"not learned: {error}", file=sys.stderr)
+        self.count += 1
+
+
+def _tasks(database: Database, pipeline: Pipeline, failures: _Failures) -> List[Task]:
     """Returns what is to be trained, after telling which objects have no mesh.
 
     Raises:
@@ -83,10 +101,16 @@ def _tasks(database: Database, pipeline: Pipeline) -> List[Task]:
     """
     method = method_of(pipeline.method)
     known = {key: one for key, one in pipeline.parameters.items() if key in method.parameters}
+    with about(pipeline.name):
+        parameters = method.complete(known)
     tasks = []
     for one in chosen_objects(database, pipeline):
-        with about(pipeline.name):
-            task = task_of(database, one, method, known)
+        try:
+            with about(title_of(one, method)):
+                task = task_of(database, one, method, parameters)
+        except ValueError as error:
+            failures.tell(error)
+            continue
         lack = f"'{one.name}' has no mesh: mesh_add.py {one.id[:8]} FILE --commit adds it"
         if task is None and pipeline.objects not in (ALL, MISSING):
             raise ValueError(lack)

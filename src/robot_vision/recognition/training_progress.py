@@ -3,7 +3,7 @@
 import math
 import sys
 import time
-from typing import Optional, TextIO
+from typing import Any, Optional, TextIO
 
 PERIOD = 0.2  # s between two changes of the line on a terminal
 SHARE = 0.1  # of all views, after which there is another line elsewhere
@@ -30,6 +30,13 @@ class TrainingProgress:
         if not self._on_terminal:
             self._write(done, "")
 
+    def __enter__(self) -> "TrainingProgress":
+        return self
+
+    def __exit__(self, kind: Any, _error: Any, _trace: Any) -> None:
+        if kind is not None:  # What is wrong gets a line of its own.
+            self._clear()
+
     def update(self, done: int) -> None:
         """Tells that so many views are learned, if it is time to."""
         now = time.monotonic()
@@ -42,8 +49,12 @@ class TrainingProgress:
 
     def end(self, text: str) -> None:
         """Tells the result in place of how far it is."""
-        clear = "\r\033[K" if self._on_terminal else ""
-        print(f"{clear}{self._title}: {text}", file=self._stream, flush=True)
+        self._clear()
+        print(f"{self._title}: {text}", file=self._stream, flush=True)
+
+    def _clear(self) -> None:
+        if self._on_terminal:
+            print("\r\033[K", end="", file=self._stream, flush=True)
 
     def _left(self, done: int, now: float) -> str:
         learned = done - self._begun

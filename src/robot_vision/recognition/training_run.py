@@ -37,7 +37,7 @@ class Task(NamedTuple):
 
     @property
     def title(self) -> str:
-        return f"{self.object.name}: {self.method.name}"
+        return title_of(self.object, self.method)
 
     @property
     def key(self) -> str:
@@ -70,16 +70,18 @@ def train(database: Database, task: Task, force: bool) -> bool:
         OSError: The database cannot be written.
         ValueError: The object cannot be learned.
     """
-    key = task.key
-    there = None if force else database.models.with_key(key)
-    if there is not None:
-        return _adopt(database, task, there)
-    trainer = _trainer(database, task, None if force else database.models.state(key))
-    progress = TrainingProgress(task.title, trainer.done, trainer.total)
-    _work(database, key, trainer, progress)
-    with database.transaction():
-        database.models.set(_model(task, key, trainer.model()))
-    progress.end(f"{trainer.total} views learned")
+    with about(task.title):
+        key = task.key
+        there = None if force else database.models.with_key(key)
+        if there is not None:
+            return _adopt(database, task, there)
+        trainer = _trainer(database, task, None if force else database.models.state(key))
+        with TrainingProgress(task.title, trainer.done, trainer.total) as progress:
+            _work(database, key, trainer, progress)
+            model = _model(task, key, trainer.model())
+            with database.transaction():
+                database.models.set(model)
+            progress.end(f"{trainer.total} views learned")
     return True
 
 
@@ -100,25 +102,24 @@ def _adopt(database: Database, task: Task, there: Model) -> bool:
 
 def _trainer(database: Database, task: Task, stored: Any) -> Trainer:
     """Returns a trainer that goes on from what was stored, if that can be used."""
-    with about(task.title):
-        if task.mesh is None:
-            source: Any = ObservationSource(database, task.object.id)
-            begin: Any = task.method.trainer_of_observations
-            is_same = database.observations.digest(task.object.id) == task.observed
-        else:
-            source, begin = database.meshes.of(task.object.id), task.method.trainer
-            is_same = source is not None and (
-                (digest_of(source.converted), list(source.symmetries))
-                == (task.mesh.converted, task.mesh.symmetries)
-            )
-        if not is_same:  # Its model would get the key of what was there before.
-            raise ValueError("what it is learned by was changed just now: train it again")
-        if stored is not None:
-            try:
-                return begin(source, task.parameters, stored[1])
-            except ValueError as error:
-                print(f"{task.title}: what was done is not used: {error}", flush=True)
-        return begin(source, task.parameters, None)
+    if task.mesh is None:
+        source: Any = ObservationSource(database, task.object.id)
+        begin: Any = task.method.trainer_of_observations
+        is_same = database.observations.digest(task.object.id) == task.observed
+    else:
+        source, begin = database.meshes.of(task.object.id), task.method.trainer
+        is_same = source is not None and (
+            (digest_of(source.converted), list(source.symmetries))
+            == (task.mesh.converted, task.mesh.symmetries)
+        )
+    if not is_same:  # Its model would get the key of what was there before.
+        raise ValueError("what it is learned by was changed just now: train it again")
+    if stored is not None:
+        try:
+            return begin(source, task.parameters, stored[1])
+        except ValueError as error:
+            print(f"{task.title}: what was done is not used: {error}", flush=True)
+    return begin(source, task.parameters, None)
 
 
 def _work(database: Database, key: str, trainer: Trainer, progress: TrainingProgress) -> None:
@@ -146,6 +147,11 @@ def _store(database: Database, key: str, trainer: Trainer) -> None:
 
 def _model(task: Task, key: str, data: bytes) -> Model:
     return Model(task.object.id, task.method.name, task.parameters, key, data)
+
+
+def title_of(one: Object, method: Method) -> str:
+    """Returns what the training of an object by a method is called."""
+    return f"{one.name}: {method.name}"
 
 
 def task_of(
