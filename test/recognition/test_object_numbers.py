@@ -45,6 +45,29 @@ def test_what_moves_or_turns_keeps_its_number(numbers):
         assert numbers.of([thing(at, turn=count), thing(RIGHT)]) == [1, 0]
 
 
+def test_what_a_moving_camera_sees_keeps_its_numbers(numbers):
+    at = np.array([LEFT, RIGHT])
+    numbers.of(list(map(thing, at)))
+    for count in range(2 * KEPT):
+        at += (0.0, 2.0 * REACH, 0.0)
+        order = [0, 1] if count % 2 else [1, 0]
+        assert numbers.of([thing(at[one]) for one in order]) == order
+    assert numbers.of([thing(RIGHT)]) == [1]
+
+
+def test_what_was_seen_lately_goes_on_before_what_was_not(numbers):
+    numbers.of([thing(LEFT), thing(RIGHT)])
+    numbers.of([thing(RIGHT)])
+    assert numbers.of([thing((0.0, 0.0, 0.8))]) == [1]
+    assert numbers.of([thing((0.0, 0.0, 0.8)), thing((0.0, 1.0, 0.8))]) == [1, 0]
+
+
+def test_what_comes_after_a_rest_is_the_first(numbers):
+    numbers.of([thing(LEFT), thing(RIGHT)])
+    numbers.clear()
+    assert numbers.of([thing(RIGHT)]) == [0]
+
+
 def test_what_has_come_has_the_lowest_number_that_is_free(numbers):
     there = [(0.3 * count, 0.0, 0.8) for count in range(4)]
     assert numbers.of(list(map(thing, there[:3]))) == [0, 1, 2]

@@ -1,8 +1,11 @@
 """The node object_recognizer: all that it publishes, what it cannot use, and clients of others."""
 
+import contextlib
 import copy
 import json
 import re
+import shutil
+import sqlite3
 
 import actionlib
 import cv2
@@ -34,6 +37,7 @@ from robot_vision.msg import (
 )
 from robot_vision.recognition.database import Database, Mesh, Model, Object, Symmetry
 from robot_vision.recognition.mesh_data import pack_mesh
+from robot_vision.recognition.object_numbers import KEPT
 from robot_vision.recognition.pair_method import PAIRS
 from robot_vision.recognition.training_run import task_of, train
 from robot_vision.recognition.view_method import VIEWS
@@ -139,11 +143,11 @@ class Eyes:
         self.images.send(made)
         return header
 
-    def shown_until(self, condition, what):
+    def shown_until(self, condition, what, depth=None):
         """Shows images until something is true."""
 
         def shown():
-            self.show()
+            self.show(depth=depth)
             return condition()
 
         return support.wait_for(shown, what)
@@ -283,6 +287,34 @@ def before_a_wall(table, name, distance):
     seen = copy.copy(table)
     seen.image = np.where(np.isfinite(view.depth)[..., None], view.bgr, 110).astype(np.uint8)
     return seen, pose
+
+
+def test_images_without_objects_let_numbers_be_forgotten(start, tmp_path, kitchen, table):
+    path = tmp_path / "objects.db"
+    shutil.copy(kitchen, path)
+    names = {"duck": "a/thing", "box": "a_thing"}  # one label in the names of frames
+    with contextlib.closing(sqlite3.connect(path)) as file, file:
+        for old, new in names.items():
+            file.execute("UPDATE objects SET name = ? WHERE name = ?", (new, old))
+    eyes = Eyes(start, table, path, f"_objects:={','.join(names.values())}")
+    arrays = support.subscribed("/object_recognizer/recognized_object_array", RecognizedObjectArray)
+    transforms = support.subscribed("/tf", TFMessage)
+    eyes.wait_for()
+    eyes.shown_until(lambda: transforms.received, "transforms")
+    places = {one.child_frame_id: one.transform for one in transforms.received[-1].transforms}
+    assert set(places) == {"a_thing_0", "a_thing_1"}
+    first = matrix_of(places["a_thing_0"])
+    gone = min(names, key=lambda name: np.linalg.norm((first - table.poses[name])[:3, 3]))
+    empty = np.full_like(table.depth, np.nan)
+    without = lambda: [one for one in arrays.received if not one.objects]  # noqa: E731
+    eyes.shown_until(lambda: len(without()) > KEPT, "images without objects", empty)
+    (known,) = [one for one in table.scene.truth(0).objects if one.name == gone]
+    mask = cv2.fillPoly(np.zeros(empty.shape, np.uint8), [np.int32(known.outline)], 1)
+    alone = np.where(cv2.dilate(mask, np.ones((9, 9))), np.nan, table.depth).astype(np.float32)
+    count = len(transforms.received)
+    eyes.shown_until(lambda: len(transforms.received) > count, "transforms", alone)
+    (left,) = transforms.received[-1].transforms
+    assert left.child_frame_id == "a_thing_0"
 
 
 def test_views_of_images_with_depth_and_alone(start, kitchen, table):

@@ -20,11 +20,16 @@ class ObjectNumbers:
     """Numbers what was found: coke 0, coke 1, ...
 
     Of two of a kind the more probable one is another one from image to image, as noise has it. What
-    is nearest to where a number was, within half its diameter, has that number again.
+    is nearest to where a number was, within half its diameter, has that number again. What is left
+    over has the numbers that are: places are those in the camera's frame, which may move by more.
     """
 
     def __init__(self) -> None:
         self._known: Dict[str, Dict[int, _Numbered]] = {}  # by label and number
+
+    def clear(self) -> None:
+        """Forgets all that was seen."""
+        self._known.clear()
 
     def of(self, found: Sequence[Found]) -> List[int]:
         """Returns the number of each object among those with its label, in the next image."""
@@ -53,16 +58,19 @@ class ObjectNumbers:
 
 
 def _numbered(things: Sequence[Found], known: Dict[int, _Numbered]) -> List[int]:
-    """Returns the numbers of things with one label; those that were known go to the nearest."""
-    near = []
+    """Returns the numbers of things with one label.
+
+    Those that are known go to the nearest, then what was seen lately to what is left over.
+    """
+    pairs = []
     for index, one in enumerate(things):
         reach = 0.5 * np.linalg.norm(np.ptp(one.object.corners, axis=0))
         for number, before in known.items():
             distance = np.linalg.norm(one.middle - before.place)
-            if distance <= reach:
-                near.append((distance, index, number))
+            is_far = distance > reach
+            pairs.append((is_far, before.unseen if is_far else 0, distance, index, number))
     numbers: Dict[int, int] = {}
-    for _, index, number in sorted(near):
+    for *_, index, number in sorted(pairs):
         if index not in numbers and number not in numbers.values():
             numbers[index] = number
     free = (number for number in itertools.count() if number not in known)

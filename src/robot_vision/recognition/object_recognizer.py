@@ -114,6 +114,7 @@ class ObjectRecognizer:
         self._depth.clear()
         self._missing_depth.end()
         self._tables_of.clear()
+        self._numbers.clear()
         self._report.end()
 
     def _on_reload(self, _request: Any) -> TriggerResponse:
@@ -217,9 +218,10 @@ class ObjectRecognizer:
         self._publish_looks(seen, self._detections.get_num_connections() > 0, self._shows())
         if self._markers.get_num_connections():
             self._markers.publish(self._markers_of.of(header, seen.found))
-        if self._tf.is_wanted() and seen.found:
-            numbers = self._numbers.of(seen.found)
-            self._tf.publish(transforms(header, seen.found, numbers, self._prefix))
+        if self._tf.is_wanted():
+            numbers = self._numbers.of(seen.found)  # which also counts images without objects
+            if seen.found:
+                self._tf.publish(transforms(header, seen.found, numbers, self._prefix))
 
     def _publish_looks(self, seen: Seen, detects: bool, shows: bool) -> None:
         """Publishes ~detections and ~processed_image, for which the objects are drawn."""
