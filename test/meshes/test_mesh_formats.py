@@ -174,6 +174,29 @@ def test_a_gltf_file_has_its_scene_and_materials(tmp_path, binary):
     assert tuple(loaded.mesh.color) == (255, 0, 0)
 
 
+@pytest.mark.parametrize("of_vertices", [False, True])
+def test_colors_of_a_gltf_file_are_linear(tmp_path, of_vertices):
+    document, data = gltf()
+    color = [0.0, 0.262, 1.0, 1.0]  # a green of 0.55 as it is shown
+    if of_vertices:
+        colors = np.float32([color] * 4).tobytes()
+        view = {"buffer": 0, "byteOffset": len(data), "byteLength": len(colors)}
+        document["bufferViews"].append(view)
+        accessor = {"bufferView": 2, "componentType": 5126, "count": 4, "type": "VEC4"}
+        document["accessors"].append(accessor)
+        document["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = 2
+        data += colors
+        document["materials"] = [{}]
+    else:
+        document["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = color
+    (tmp_path / "a.bin").write_bytes(data)
+    document["buffers"] = [{"byteLength": len(data), "uri": "a.bin"}]
+    (tmp_path / "a.gltf").write_text(json.dumps(document))
+    mesh = read_mesh(str(tmp_path / "a.gltf")).mesh
+    colors = mesh.colors if len(mesh.colors) else [mesh.color]
+    assert {tuple(one) for one in colors} == {(255, 140, 0)}
+
+
 @pytest.mark.parametrize("chosen", [0, 1, 5])
 def test_a_texture_of_a_gltf_file_has_the_coordinates_that_it_names(tmp_path, chosen):
     cv2.imwrite(str(tmp_path / "skin.png"), np.full((2, 2, 3), 7, np.uint8))

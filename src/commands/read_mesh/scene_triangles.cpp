@@ -26,11 +26,34 @@ cv::Vec3b toBgr(const aiColor4D& color)
   return {byte(color.b), byte(color.g), byte(color.r)};
 }
 
+bool endsWith(const std::string& text, const std::string& end)
+{
+  return text.size() >= end.size() &&
+         std::equal(end.rbegin(), end.rend(), text.rbegin(),
+                    [](char a, char b) { return a == std::tolower(static_cast<unsigned char>(b)); });
+}
+
+bool isGltf(const std::string& path)
+{
+  return endsWith(path, ".gltf") || endsWith(path, ".glb");
+}
+
+/// Returns a color as images have it, of one whose parts grow with the light.
+aiColor4D toSrgb(const aiColor4D& linear)
+{
+  const auto curved = [](float part)
+  { return part <= 0.0031308F ? 12.92F * part : 1.055F * std::pow(part, 1.0F / 2.4F) - 0.055F; };
+  return {curved(linear.r), curved(linear.g), curved(linear.b), linear.a};
+}
+
 /// Puts the meshes of a scene, at the places that its nodes give them, into one list.
 class Collector
 {
 public:
-  Collector(const aiScene& scene, const std::string& path) : scene_(scene), textures_(scene, path) {}
+  Collector(const aiScene& scene, const std::string& path)
+    : scene_(scene), textures_(scene, path), is_linear_(isGltf(path))
+  {
+  }
 
   SceneTriangles collect()
   {
@@ -71,7 +94,7 @@ private:
     const SceneTexture texture =
         mesh.GetNumUVChannels() > 0 && material != nullptr ? textures_.of(*material) : SceneTexture();
     const unsigned coordinates = mesh.HasTextureCoords(texture.coordinates) ? texture.coordinates : 0;
-    const Placed placed = {mesh, pose, aiMatrix3x3(pose).Inverse().Transpose(), toBgr(colorOf(material)), coordinates};
+    const Placed placed = {mesh, pose, aiMatrix3x3(pose).Inverse().Transpose(), colorOf(material), coordinates};
     // What no triangle has is left out: it could be any number of vertices.
     std::vector<int> places(mesh.mNumVertices, -1);
     const auto place_of = [&](unsigned vertex)
@@ -90,12 +113,15 @@ private:
     return count;
   }
 
-  static aiColor4D colorOf(const aiMaterial* material)
+  cv::Vec3b colorOf(const aiMaterial* material) const
   {
-    aiColor4D diffuse(0.63F, 0.63F, 0.63F, 1.0F);
-    if (material != nullptr) material->Get(AI_MATKEY_COLOR_DIFFUSE, diffuse);
-    return diffuse;
+    aiColor4D diffuse;
+    const bool is_given = material != nullptr && material->Get(AI_MATKEY_COLOR_DIFFUSE, diffuse) == aiReturn_SUCCESS;
+    return is_given ? shown(diffuse) : toBgr(aiColor4D(0.63F, 0.63F, 0.63F, 1.0F));
   }
+
+  /// The colors of glTF's materials and vertices are linear, and those of other formats as they are shown.
+  cv::Vec3b shown(const aiColor4D& color) const { return toBgr(is_linear_ ? toSrgb(color) : color); }
 
   /// Returns its index.
   int addVertex(const Placed& placed, unsigned i)
@@ -106,7 +132,7 @@ private:
     const unsigned set = placed.coordinates;
     const aiVector3D uv = mesh.HasTextureCoords(set) ? mesh.mTextureCoords[set][i] : aiVector3D();
     result_.texture_coordinates.emplace_back(static_cast<float>(uv.x), static_cast<float>(uv.y));
-    result_.colors.push_back(mesh.HasVertexColors(0) ? toBgr(mesh.mColors[0][i]) : placed.color);
+    result_.colors.push_back(mesh.HasVertexColors(0) ? shown(mesh.mColors[0][i]) : placed.color);
     return static_cast<int>(result_.vertices.size()) - 1;
   }
 
@@ -127,16 +153,10 @@ private:
 
   const aiScene& scene_;
   SceneTextures textures_;
+  const bool is_linear_;
   SceneTriangles result_;
   std::uint64_t count_ = 0;
 };
-
-bool endsWith(const std::string& text, const std::string& end)
-{
-  return text.size() >= end.size() &&
-         std::equal(end.rbegin(), end.rend(), text.rbegin(),
-                    [](char a, char b) { return a == std::tolower(static_cast<unsigned char>(b)); });
-}
 
 }  // namespace
 
@@ -144,7 +164,7 @@ SceneTriangles trianglesOf(const aiScene& scene, const std::string& path)
 {
   SceneTriangles triangles = Collector(scene, path).collect();
   // Collada files say which unit they have, which is applied; glTF has no other one.
-  triangles.is_metric = endsWith(path, ".dae") || endsWith(path, ".gltf") || endsWith(path, ".glb");
+  triangles.is_metric = endsWith(path, ".dae") || isGltf(path);
   return triangles;
 }
 
