@@ -470,6 +470,16 @@ def test_a_data_set_of_others(run, path, box, tmp_path):
         (seen,) = database.observations.of(session.id)
     depth = cv2.imdecode(np.frombuffer(seen.depth, np.uint8), cv2.IMREAD_UNCHANGED)
     assert seen.frame_number == 3 and (depth == 700).all()
+    code, out, _ = run(object_import, folder, "--split", "test", "--commit")
+    assert code == 0 and out.startswith(
+        f"{one.id} is there already, and stays as it is, its observations are left out\n"
+    )
+    assert out.endswith("0 objects added\n")
+    code, out, _ = run(object_import, folder, "--replace", "--commit")
+    assert code == 0 and out.endswith("1 object added\n")
+    with Database(path) as database:
+        assert [known.id for known in database.objects.all()] == [one.id]
+        assert database.observations.sessions(one.id) == []
     (scene / "scene_camera.json").write_text("{}")
     words = [folder, "--split", "test", "--database", tmp_path / "x.db", "--commit"]
     code, _, err = run(object_import, *words)

@@ -1,5 +1,6 @@
 """Objects from a folder in the format of BOP, with their meshes and, if wanted, observations."""
 
+import hashlib
 import os
 import re
 from typing import Any, Callable, Dict, List, NamedTuple
@@ -15,7 +16,7 @@ from .bop_export import MODELS_INFO, OBJECTS, SCENE_TRUTHS
 from .database import Database, Mesh, Object, Observation, Session
 from .database.folder_files import entries_of, read_data, read_json
 from .database.json_values import integer, matrix, number, numbers, text
-from .database.objects import is_id
+from .database.objects import ID_LENGTH, is_id
 from .mesh_data import unpack_mesh
 from .mesh_intake import take_mesh
 from .symmetries import MM, from_bop
@@ -70,9 +71,10 @@ def import_bop(
     numbers_there = [match[1] for match in map(MODEL.fullmatch, entries_of(models)) if match]
     there = {one.id for one in database.objects.all()}
     for digits in numbers_there:
-        model = _Model(int(digits), _object(names, int(digits)))
+        model = _Model(int(digits), _object(models, names, int(digits)))
         if model.object.id in there and not replace:
-            tell(f"{model.object.id} is there already, and stays as it is")
+            left_out = ", its observations are left out" if scenes else ""
+            tell(f"{model.object.id} is there already, and stays as it is{left_out}")
             continue
         if model.object.id in there:
             database.objects.delete(model.object.id)
@@ -101,8 +103,11 @@ def optional_json(*path: str) -> Dict[str, Any]:
     return read_json(*path) if os.path.lexists(os.path.join(*path)) else {}
 
 
-def _object(names: Dict[str, Any], model: int) -> Object:
-    """Returns the object that a number is, by our own file of names if there is one."""
+def _object(models: str, names: Dict[str, Any], model: int) -> Object:
+    """Returns the object that a number is, by our own file of names if there is one.
+
+    Without one it gets the same id each time, by its model.
+    """
     known = names.get(str(model), {})
     with about(f"{OBJECTS}: {model}"):
         if not isinstance(known, dict):
@@ -111,7 +116,18 @@ def _object(names: Dict[str, Any], model: int) -> Object:
         if object_id and not is_id(object_id):
             raise ValueError(f"id is {brief(object_id)}, must have 32 hexadecimal digits")
         name = text(known, "name", f"obj_{model:06d}")
-        return Object(name, text(known, "description", ""), id=object_id)
+        description = text(known, "description", "")
+    return Object(name, description, id=object_id or _id_by_model(models, model))
+
+
+def _id_by_model(models: str, model: int) -> str:
+    made_of = hashlib.sha256(_file_of(model).encode())
+    made_of.update(read_data(models, _file_of(model)))
+    return made_of.hexdigest()[:ID_LENGTH]
+
+
+def _file_of(model: int) -> str:
+    return f"obj_{model:06d}.ply"
 
 
 def stored_model(
@@ -121,7 +137,7 @@ def stored_model(
     tell: Callable[[str], None],
 ) -> Mesh:
     """Returns a model with its symmetries, as the database has meshes."""
-    stored = take_mesh(os.path.join(models, f"obj_{model:06d}.ply"), "mm").stored
+    stored = take_mesh(os.path.join(models, _file_of(model)), "mm").stored
     info = infos.get(str(model), {})
     extent = mesh_extent(unpack_mesh(stored.converted))
     with about(f"{MODELS_INFO}: {model}"):
