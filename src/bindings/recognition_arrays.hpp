@@ -13,11 +13,23 @@
 #include "mesh_arrays.hpp"
 #include "robot_vision/recognition/object_shape.hpp"
 #include "robot_vision/recognition/recognition_frame.hpp"
+#include "robot_vision/recognition/symmetry.hpp"
 
 namespace robot_vision
 {
 
 using Vector = std::array<double, 3>;
+
+/// (axis, fold) of each.
+using Symmetries = std::vector<std::pair<Vector, int>>;
+
+inline std::vector<Symmetry> toSymmetries(const Symmetries& pairs)
+{
+  std::vector<Symmetry> symmetries;
+  for (const auto& [axis, fold] : pairs)
+    symmetries.push_back({cv::Vec3d(axis[0], axis[1], axis[2]), fold});
+  return symmetries;
+}
 
 /// (point, direction) of each axis.
 inline std::vector<std::pair<Vector, Vector>> axesToPython(const std::vector<FreeAxis>& axes)

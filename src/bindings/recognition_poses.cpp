@@ -20,14 +20,31 @@ using namespace py::literals;
 namespace recognition_poses_bindings
 {
 
-using Symmetries = std::vector<std::pair<Vector, int>>;
-
 std::shared_ptr<ObjectShape> makeShape(const Mesh& mesh, const Symmetries& symmetries)
 {
-  std::vector<Symmetry> known;
-  for (const auto& [axis, fold] : symmetries)
-    known.push_back({cv::Vec3d(axis[0], axis[1], axis[2]), fold});
+  const std::vector<Symmetry> known = toSymmetries(symmetries);
   return withoutGil([&] { return std::make_shared<ObjectShape>(mesh, known); });
+}
+
+std::vector<py::array> turnsToPython(const SymmetryGroup& group)
+{
+  std::vector<py::array> turns;
+  for (const cv::Matx33d& turn : group.turns())
+    turns.push_back(toPython(turn));
+  return turns;
+}
+
+void bindSymmetries(py::module& m)
+{
+  py::class_<SymmetryGroup>(m, "SymmetryGroup", "All turns of an object that its symmetries make together.")
+      .def(py::init([](const Symmetries& symmetries) { return SymmetryGroup(toSymmetries(symmetries)); }),
+           "symmetries"_a,
+           "symmetries: list of (axis, fold), as those of an ObjectShape.\n\n"
+           "Raises ValueError for an axis or a fold that cannot be, more than 20 symmetries, and such that do not "
+           "belong to one object.")
+      .def_property_readonly("turns", &turnsToPython,
+                             "list of 3x3, the one by nothing first; of those by any angle about an axis one for each "
+                             "way that they leave it");
 }
 
 void bindShapes(py::module& m)
@@ -134,6 +151,7 @@ void bindVerifier(py::module& m)
 
 void bindPoses(py::module& m)
 {
+  bindSymmetries(m);
   bindShapes(m);
   bindFrames(m);
   bindRefiner(m);

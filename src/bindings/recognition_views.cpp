@@ -11,6 +11,7 @@
 #include "depth_arrays.hpp"
 #include "leave_gil.hpp"
 #include "params.hpp"
+#include "recognition_arrays.hpp"
 #include "registry.hpp"
 #include "robot_vision/recognition/object_matcher.hpp"
 #include "robot_vision/recognition/view_trainer.hpp"
@@ -21,13 +22,9 @@ using namespace py::literals;
 namespace recognition_views_bindings
 {
 
-using Symmetries = std::vector<std::pair<std::array<double, 3>, int>>;
-
 std::unique_ptr<ViewTrainer> makeTrainer(const Mesh& mesh, const ViewParams& params, const Symmetries& symmetries)
 {
-  std::vector<Symmetry> known;
-  for (const auto& [axis, fold] : symmetries)
-    known.push_back({cv::Vec3d(axis[0], axis[1], axis[2]), fold});
+  const std::vector<Symmetry> known = toSymmetries(symmetries);
   return withoutGil([&] { return std::make_unique<ViewTrainer>(mesh, params, known); });
 }
 

@@ -5,6 +5,7 @@ from typing import Any, Dict, List, Optional, Sequence
 
 import numpy as np
 
+from .. import SymmetryGroup
 from ..common import opencv as cv2
 from ..common.plain_text import brief
 from .database import Symmetry
@@ -22,10 +23,23 @@ def parse_symmetries(text: str) -> List[Symmetry]:
     """Returns the symmetries that are meant: "z", "z:4,x:2", "none".
 
     Raises:
-        ValueError: The text has another form.
+        ValueError: The text has another form, or no object has all of them.
     """
     words = [word.strip() for word in text.split(",")]
-    return [] if words == ["none"] else [_symmetry(word) for word in words]
+    found = [] if words == ["none"] else [_symmetry(word) for word in words]
+    turns_of(found)
+    return found
+
+
+def turns_of(symmetries: Sequence[Symmetry]) -> List[np.ndarray]:
+    """Returns the turns, 3x3, that symmetries make together, the one by nothing first.
+
+    Of turns by any angle about an axis there is one for each way that they leave the axis.
+
+    Raises:
+        ValueError: They do not belong to one object.
+    """
+    return SymmetryGroup([(tuple(one.axis), one.fold) for one in symmetries]).turns
 
 
 def _symmetry(word: str) -> Symmetry:
@@ -55,12 +69,10 @@ def to_bop(symmetries: Sequence[Symmetry], middle: Sequence[float]) -> Dict[str,
         if one.fold == 0:
             entry = {"axis": list(one.axis), "offset": point.tolist()}
             found.setdefault("symmetries_continuous", []).append(entry)
-        for turn in range(1, one.fold):
-            made = np.eye(4)
-            angle = 2.0 * math.pi * turn / one.fold
-            made[:3, :3] = cv2.Rodrigues(angle * np.asarray(one.axis, float))[0]
-            made[:3, 3] = point - made[:3, :3] @ point
-            found.setdefault("symmetries_discrete", []).append(made.ravel().tolist())
+    for turn in turns_of(symmetries)[1:]:  # BOP's tools do not combine them.
+        made = np.eye(4)
+        made[:3, :3], made[:3, 3] = turn, point - turn @ point
+        found.setdefault("symmetries_discrete", []).append(made.ravel().tolist())
     return found
 
 
@@ -73,7 +85,8 @@ def from_bop(info: Dict[str, Any], middle: Sequence[float], diameter: float) -> 
         diameter: m, of the mesh.
 
     Raises:
-        ValueError: They have another form, are no turns, or their axes pass the middle.
+        ValueError: They have another form, are no turns, their axes pass the middle, or no object
+            has all of them.
     """
     found: List[Symmetry] = []
     for entry in _list(info, "symmetries_continuous"):
@@ -91,6 +104,7 @@ def from_bop(info: Dict[str, Any], middle: Sequence[float], diameter: float) -> 
         _require_middle(float(np.linalg.norm(moved)) / 2.0, diameter)
         if one is not None and one not in found:
             found.append(one)
+    turns_of(found)
     return found
 
 
