@@ -72,6 +72,49 @@ def test_figures_and_results_are_those_of_the_truth(folder, run, tmp_path):
         assert 0.5 < float(row["score"]) <= 1.0 and float(row["time"]) > 0.0
 
 
+def test_what_the_truth_of_a_scene_does_not_name_is_not_false(folder, run):
+    """Also models in another folder."""
+    root, _ = folder
+    (root / "models").rename(root / "models_cad")
+    path = root / "test" / "000003" / TRUTH
+    path.write_text(path.read_text().replace('"obj_id": 5', '"obj_id": 9'))
+    code, out, err = run(root, "--models", "models_cad")
+    assert code == 0, err
+    assert out.startswith("object 5: 0 of 0 found, -; 0 false\n2 found of objects that the truth ")
+    assert "no BOP data set: no models/obj_000001.ply or such" in run(root)[2]
+
+
+class Learned:
+    """In place of a training, which takes long."""
+
+    done = total = 0
+
+    def __init__(self, *_):
+        pass
+
+    def model(self):
+        return b""
+
+
+def test_an_object_whose_symmetries_cannot_be_used_is_symmetric(folder, monkeypatch):
+    models = str(folder[0] / "models")
+    monkeypatch.setattr(evaluate_bop, "ViewTraining", Learned)
+    assert not evaluate_bop._models(models)[5].is_symmetric
+    far = {"axis": [0, 0, 1], "offset": [500, 0, 0]}
+    write_json({5: {"symmetries_continuous": [far]}}, models, "models_info.json")
+    assert evaluate_bop._models(models)[5].is_symmetric
+
+
+def test_depths_of_tenths_of_a_millimetre_are_kept(folder):
+    root, _ = folder
+    file = root / "test" / "000003" / "depth" / "000000.png"
+    written = cv2.imread(str(file), cv2.IMREAD_UNCHANGED)
+    (frame, _) = evaluate_bop._frames(str(root / "test"), "000003")
+    depth = evaluate_bop._seen(frame)[1]
+    assert depth.dtype == np.float32 and np.array_equal(np.isnan(depth), written == 0)
+    assert np.abs(depth - 1e-4 * written)[written > 0].max() < 1e-6
+
+
 def test_what_is_wrong_is_told(folder, run, tmp_path):
     root, _ = folder
     assert "is no BOP data set" in run(tmp_path)[2]

@@ -509,6 +509,10 @@ def test_a_data_set_of_others(run, path, box, tmp_path):
     with Database(path) as database:
         assert [known.id for known in database.objects.all()] == [one.id]
         assert database.observations.sessions(one.id) == []
+    (folder / "models").rename(folder / "models_cad")
+    code, out, _ = run(object_import, folder, "--models", "models_cad", "--commit")
+    assert code == 0 and out.startswith(f"{one.id} is there already")
+    (folder / "models_cad").rename(folder / "models")
     (scene / "scene_camera.json").write_text("{}")
     words = [folder, "--split", "test", "--database", tmp_path / "x.db", "--commit"]
     code, _, err = run(object_import, *words)

@@ -1,5 +1,6 @@
 """Objects from a folder in the format of BOP, with their meshes and, if wanted, observations."""
 
+import argparse
 import hashlib
 import os
 import re
@@ -22,6 +23,7 @@ from .mesh_intake import take_mesh
 from .symmetries import MM, from_bop
 
 MODEL = re.compile(r"obj_(\d{6})\.ply")
+MODELS = "models"
 MAX_DEPTH = 65535  # mm
 
 
@@ -37,9 +39,19 @@ class _Camera(NamedTuple):
     depth_scale: float  # mm, by which the numbers of depth images are to be multiplied
 
 
-def is_bop(folder: str) -> bool:
-    """Returns whether a folder has models as BOP's have them."""
-    models = os.path.join(folder, "models")
+def add_models(parser: argparse.ArgumentParser) -> None:
+    """Adds the argument --models, as some data sets have several folders of them."""
+    parser.add_argument(
+        "--models",
+        default=MODELS,
+        metavar="NAME",
+        help="folder of the models of a BOP data set (default: %(default)s)",
+    )
+
+
+def is_bop(folder: str, models: str = MODELS) -> bool:
+    """Returns whether a folder has models as BOP's have them, in a folder of this name."""
+    models = os.path.join(folder, models)
     return os.path.isdir(models) and any(map(MODEL.fullmatch, os.listdir(models)))
 
 
@@ -49,22 +61,24 @@ def import_bop(
     split: str,
     replace: bool,
     tell: Callable[[str], None] = lambda line: None,
+    models: str = MODELS,
 ) -> int:
     """Adds the objects of a data set, within a transaction, and returns how many.
 
     Args:
         database: The database.
-        folder: That of the data set, with models in it.
+        folder: That of the data set.
         split: The folder of the observations in it, as train_real; "": none are taken.
         replace: Whether objects that are there are replaced; else they stay as they are.
         tell: A function that is told in lines what becomes of the objects.
+        models: The folder of the models in it.
 
     Raises:
         OSError: A file cannot be read, or the database not be written.
         ValueError: A file is not what it must be, or there are no observations of this split.
     """
     scenes = _scenes_of(os.path.join(folder, split)) if split else []
-    models = os.path.join(folder, "models")
+    models = os.path.join(folder, models)
     infos = optional_json(models, MODELS_INFO)
     names = optional_json(folder, OBJECTS)
     taken: Dict[int, str] = {}

@@ -4,11 +4,12 @@ import argparse
 import os
 import sys
 import time
-from typing import Dict, Iterator, List, NamedTuple, Sequence, Tuple
+from typing import Dict, Iterator, List, NamedTuple, Sequence, Set, Tuple
 
 import numpy as np
 
 from .. import CameraModel, ObjectShape, ViewParams
+from ..common import opencv as cv2
 from ..common.arguments import command_parser
 from ..common.commands import run_command
 from ..common.errors import about
@@ -18,8 +19,8 @@ from ..meshes import mesh_extent
 from .bop_export import MODELS_INFO, SCENE_TRUTHS
 from .bop_import import (
     MODEL,
+    add_models,
     camera_of,
-    depth_in_mm,
     frame_number,
     is_bop,
     optional_json,
@@ -73,6 +74,7 @@ def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
     parser = command_parser(PROGRAM, "Recognizes the objects of a BOP data set.", EXAMPLES)
     parser.add_argument("folder", metavar="FOLDER", help="the data set")
     parser.add_argument("--split", default="test", metavar="NAME", help="(default: %(default)s)")
+    add_models(parser)
     parser.add_argument("--output", default="", metavar="FILE", help="BOP's results, as CSV")
     parser.add_argument("--force", action="store_true", help="replace FILE if it is there")
     return parser.parse_args(command)
@@ -87,16 +89,19 @@ def evaluate(arguments: argparse.Namespace) -> None:
     """
     if arguments.output:
         require_replaceable(arguments.output, arguments.force, new_folders=True)
-    if not is_bop(arguments.folder):
-        raise ValueError(f"{arguments.folder} is no BOP data set: no models/obj_000001.ply or such")
+    if not is_bop(arguments.folder, arguments.models):
+        first = f"{arguments.models}/obj_000001.ply"
+        raise ValueError(f"{arguments.folder} is no BOP data set: no {first} or such")
     split = os.path.join(arguments.folder, arguments.split)
     frames = [frame for scene in entries_of(split) for frame in _frames(split, scene)]
     if not frames:
         raise ValueError(f"no frames in {split}")
-    models = _models(os.path.join(arguments.folder, "models"))
+    named = _named_in_scenes(frames)
+    models = _models(os.path.join(arguments.folder, arguments.models))
     numbers = list(models)
     recognizer = Recognizer([models[one].known for one in numbers], RecognitionParams.defaults())
     counts = {one: [0, 0, 0] for one in numbers}  # there, right, false
+    besides = 0
     rows, times = ["scene_id,im_id,obj_id,score,R,t,time"], []
     for frame in frames:
         with about(f"{frame.folder}: frame {frame.number}"):
@@ -106,17 +111,33 @@ def evaluate(arguments: argparse.Namespace) -> None:
         times.append(time.monotonic() - begin)
         by_object = [(int(one.object.id), one) for one in found]
         rows += [_row(frame, *one, times[-1]) for one in by_object]
-        for index in numbers:
+        known = named[frame.scene]
+        besides += sum(index not in known for index, _ in by_object)
+        for index in known.intersection(numbers):
             there = [pose for of, pose in frame.truths if of == index]
             own = [one.pose for of, one in by_object if of == index]
             _count(models[index], there, own, counts[index])
-    for index, (all_, right, wrong) in counts.items():
-        recall = f"{right / all_:.1%}" if all_ else "-"
-        print(f"object {index}: {right} of {all_} found, {recall}; {wrong} false")
+    _print(counts, besides)
     print(f"{len(times)} images, {np.mean(times):.3f} s each")
     if arguments.output:
         make_folder(arguments.output)
         replace_file(arguments.output, ("\n".join(rows) + "\n").encode())
+
+
+def _print(counts: Dict[int, List[int]], besides: int) -> None:
+    for index, (all_, right, wrong) in counts.items():
+        recall = f"{right / all_:.1%}" if all_ else "-"
+        print(f"object {index}: {right} of {all_} found, {recall}; {wrong} false")
+    if besides:
+        print(f"{besides} found of objects that the truth of their scenes does not name")
+
+
+def _named_in_scenes(frames: Sequence[_Frame]) -> Dict[int, Set[int]]:
+    """Returns the objects whose poses are known in each scene: others may be there, too."""
+    named: Dict[int, Set[int]] = {}
+    for frame in frames:
+        named.setdefault(frame.scene, set()).update(index for index, _ in frame.truths)
+    return named
 
 
 def _models(folder: str) -> Dict[int, _Model]:
@@ -133,7 +154,9 @@ def _models(folder: str) -> Dict[int, _Model]:
         known = KnownObject(str(index), str(index), *made, {VIEWS.name: training.model()})
         points = np.asarray(mesh.vertices, float)
         points = points[:: max(1, len(points) // POINTS)]
-        models[index] = _Model(known, points, mesh_extent(mesh).diameter, bool(symmetries))
+        info = infos.get(str(index), {})  # It may have symmetries that cannot be used.
+        is_symmetric = any(info.get(f"symmetries_{kind}") for kind in ("discrete", "continuous"))
+        models[index] = _Model(known, points, mesh_extent(mesh).diameter, is_symmetric)
     return models
 
 
@@ -150,7 +173,8 @@ def _frames(split: str, scene: str) -> Iterator[_Frame]:
 def _seen(frame: _Frame) -> Tuple[np.ndarray, np.ndarray, CameraModel]:
     bgr = load_image(rgb_path(frame.folder, frame.number), sensor_pixels)
     data = read_data(frame.folder, "depth", f"{frame.number:06d}.png")
-    depth = sensor_pixels(depth_in_mm(data, frame.depth_scale), -1)
+    depth = sensor_pixels(data, cv2.IMREAD_UNCHANGED).astype(np.float32)
+    depth = np.where(depth > 0.0, np.float32(MM * frame.depth_scale) * depth, np.float32(np.nan))
     height, width = bgr.shape[:2]
     return bgr, depth, CameraModel(width, height, frame.camera_matrix, [])
 

@@ -6,7 +6,7 @@ import sys
 from typing import Sequence
 
 from ..common.commands import run_command
-from .bop_import import import_bop, is_bop
+from .bop_import import add_models, import_bop, is_bop
 from .couch_import import import_couch
 from .database import Database
 from .database.folder_import import import_folder
@@ -36,6 +36,7 @@ def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
     parser.add_argument(
         "--split", default="", metavar="NAME", help="folder of the observations of a BOP data set"
     )
+    add_models(parser)
     parser.add_argument("--replace", action="store_true", help="objects that are there, too")
     add_commit(parser)
     return parser.parse_args(command)
@@ -44,10 +45,10 @@ def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
 def add(arguments: argparse.Namespace) -> None:
     """Adds the objects, or tells which would be added."""
     path = database_path(arguments)
-    if arguments.split and not is_bop(arguments.source):
+    if arguments.split and not is_bop(arguments.source, arguments.models):
         raise ValueError(
-            f"--split is of BOP data sets, {arguments.source} is none: no models/obj_000001.ply or "
-            "such"
+            f"--split is of BOP data sets, {arguments.source} is none: no {arguments.models}/"
+            "obj_000001.ply or such"
         )
     if not arguments.commit and not os.path.lexists(path):
         raise ValueError(f"there is no database {path} yet: --commit makes it")
@@ -61,6 +62,7 @@ def _import(database: Database, arguments: argparse.Namespace) -> int:
     source, replace = arguments.source, arguments.replace
     if not os.path.isdir(source):
         return import_couch(database, source, replace, print)
-    if is_bop(source):
-        return import_bop(database, source, arguments.split, replace, print)
+    if is_bop(source, arguments.models):
+        split, models = arguments.split, arguments.models
+        return import_bop(database, source, split, replace, print, models)
     return import_folder(database, source, replace, unpack_mesh, print)
