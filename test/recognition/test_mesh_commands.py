@@ -610,15 +610,8 @@ def test_the_documents_of_a_couchdb_may_be_large(run, path, tmp_path):
         (lambda values: [row.pop("doc") for row in values["rows"]], "is include_docs=true missing"),
         (
             lambda values: values["rows"][2]["doc"]["_attachments"]["original.obj"].pop("data"),
-            "a mesh has no data: is attachments=true missing?",
+            "the meshes have no data: is attachments=true missing?",
         ),
-        (
-            lambda values: values["rows"][2]["doc"]["_attachments"]["original.obj"].update(
-                data="?"
-            ),
-            "the data of a mesh cannot be read: ",
-        ),
-        (lambda values: values["rows"][1]["doc"].update(_id="x"), "its id must have 32 hexadecim"),
     ],
 )
 def test_documents_with_something_wrong(run, path, box_file, tmp_path, spoil, said):
@@ -630,6 +623,44 @@ def test_documents_with_something_wrong(run, path, box_file, tmp_path, spoil, sa
     assert code == 1 and said in err and len(err.splitlines()) == 1
     with Database(path) as database:
         assert database.objects.all() == []
+
+
+@pytest.mark.parametrize(
+    "object_id, name, data, said",
+    [
+        ("x", "mug", None, "object x is left out: its id must have 32 hexadecimal digits"),
+        ("b" * 32, "", None, f"object {'b' * 32} is left out: the name of an object is ''"),
+        ("b" * 32, "mug", None, "can add another one: its data is None, must be text"),
+        ("b" * 32, "mug", "?", "can add another one: its data cannot be read: "),
+        ("b" * 32, "mug", "AAAA", "can add another one: original.stl"),
+    ],
+)
+def test_documents_that_cannot_be_taken_leave_the_others(
+    run, path, box_file, tmp_path, object_id, name, data, said
+):
+    values = couch(box_file)
+    attached = {"original.stl": {} if data is None else {"data": data}}
+    other = {"_id": object_id, "Type": "Object", "object_name": name}
+    model = {"_id": "c" * 32, "method": "mesh", "object_id": object_id, "_attachments": attached}
+    values["rows"][:0] = [{"doc": other}, {"doc": model}]
+    file = tmp_path / "couch.json"
+    file.write_text(json.dumps(values))
+    code, _, err = run(object_import, file, "--commit")
+    first, last = err.splitlines()
+    assert code == 1 and said in first and last.endswith(f"not all of {file} can be taken")
+    with Database(path) as database:
+        meshes = {one.name: database.meshes.entry(one.id) for one in database.objects.all()}
+    assert meshes.pop("coke").file_name == "original.obj"
+    assert meshes == ({} if "object" in said else {"mug": None})
+
+
+def test_what_cannot_be_taken_replaces_nothing(run, path, box_file, tmp_path):
+    file = tmp_path / "couch.json"
+    for name, code in (("coke", 0), ("", 1)):
+        file.write_text(json.dumps(couch(box_file, object_name=name)))
+        assert run(object_import, file, "--replace", "--commit")[0] == code
+    with Database(path) as database:
+        assert [one.name for one in database.objects.all()] == ["coke"]
 
 
 def test_a_folder_is_tried_before_it_is_imported(run, path, box_file, tmp_path):

@@ -7,21 +7,26 @@ mesh.stl beside it. What was learned is left out: only object_recognition_core c
 """
 
 import base64
-import binascii
 import os
 import tempfile
-from typing import Any, Callable, Dict, List, Mapping, Tuple
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple
 
 from ..common.errors import about
 from ..common.plain_text import brief, printable
-from .database import Database
+from .database import Database, Object
 from .database.folder_files import MAX_DATA, is_file_name, read_json
 from .database.folder_import import object_of
-from .database.json_values import text
-from .database.objects import is_id
+from .database.objects import checked_object, is_id
 from .mesh_intake import take_mesh
 
 MESH_METHOD = "mesh"
+
+
+class _Attachment(NamedTuple):
+    """A file of a document."""
+
+    name: str
+    data: Any  # base64, or None if it was left out
 
 
 def import_couch(
@@ -29,6 +34,7 @@ def import_couch(
     path: str,
     replace: bool,
     tell: Callable[[str], None] = lambda line: None,
+    warn: Callable[[str], None] = lambda line: None,
 ) -> int:
     """Adds the objects of a file, within a transaction, and returns how many.
 
@@ -37,6 +43,7 @@ def import_couch(
         path: The file.
         replace: Whether objects that are there are replaced; else they stay as they are.
         tell: A function that is told in lines what becomes of the objects.
+        warn: A function that is told in lines what is left out, as it cannot be taken.
 
     Raises:
         OSError: The file cannot be read, or the database not be written.
@@ -50,20 +57,33 @@ def import_couch(
     count = 0
     there = {one.id for one in database.objects.all()}
     for object_id, values in objects.items():
-        with about(f"{path}: object {printable(object_id)}"):
-            if not is_id(object_id):
-                raise ValueError("its id must have 32 hexadecimal digits")
-            if object_id in there and not replace:
-                tell(f"{object_id} is there already, and stays as it is")
-                continue
-            if object_id in there:
-                database.objects.delete(object_id)
-            added = database.objects.add(object_of(values, object_id))
-            if object_id in meshes:
-                _add_mesh(database, object_id, *meshes[object_id], tell)
+        if object_id in there and not replace:
+            tell(f"{object_id} is there already, and stays as it is")
+            continue
+        try:
+            added = _checked(values, object_id)
+        except ValueError as error:
+            warn(f"object {printable(object_id)} is left out: {error}")
+            continue
+        if object_id in there:
+            database.objects.delete(object_id)
+        database.objects.add(added)
+        if object_id in meshes:
+            _add_mesh(database, object_id, meshes[object_id], tell, warn)
         tell(f"{object_id} added: '{added.name}'")
         count += 1
     return count
+
+
+def _checked(values: Dict[str, Any], object_id: str) -> Object:
+    """Returns the object of a document.
+
+    Raises:
+        ValueError: It can be none.
+    """
+    if not is_id(object_id):
+        raise ValueError("its id must have 32 hexadecimal digits")
+    return checked_object(object_of(values, object_id))
 
 
 def _documents(values: Mapping[str, Any]) -> List[Dict[str, Any]]:
@@ -77,39 +97,52 @@ def _documents(values: Mapping[str, Any]) -> List[Dict[str, Any]]:
     return documents
 
 
-def _meshes(documents: List[Dict[str, Any]]) -> Dict[str, Tuple[str, bytes]]:
-    """Returns the names and contents of the files of meshes, by the ids of their objects."""
+def _meshes(documents: List[Dict[str, Any]]) -> Dict[str, _Attachment]:
+    """Returns the files of meshes, by the ids of their objects."""
     found = {}
     for one in documents:
-        attached = one.get("_attachments")
-        if one.get("method", one.get("ModelType")) != MESH_METHOD or not isinstance(attached, dict):
+        attached, object_id = one.get("_attachments"), one.get("object_id")
+        is_mesh = one.get("method", one.get("ModelType")) == MESH_METHOD
+        if not is_mesh or not isinstance(attached, dict) or not isinstance(object_id, str):
             continue
         names = sorted(name for name in attached if is_file_name(name))
         originals = [name for name in names if name.startswith("original.")]
         for name in [*originals, *(name for name in names if name.startswith("mesh."))]:
-            found[text(one, "object_id")] = name, _content(attached[name])
+            content = attached[name]
+            data = content.get("data") if isinstance(content, dict) else None
+            found[object_id] = _Attachment(name, data)
             break
+    if found and all(one.data is None for one in found.values()):
+        raise ValueError("the meshes have no data: is attachments=true missing?")
     return found
 
 
-def _content(attachment: Any) -> bytes:
-    data = attachment.get("data") if isinstance(attachment, dict) else None
-    if not isinstance(data, str):
-        raise ValueError("a mesh has no data: is attachments=true missing?")
-    try:
-        return base64.b64decode(data, validate=True)
-    except binascii.Error as error:
-        raise ValueError(f"the data of a mesh cannot be read: {error}") from None
-
-
 def _add_mesh(
-    database: Database, object_id: str, name: str, data: bytes, tell: Callable[[str], None]
+    database: Database,
+    object_id: str,
+    attached: _Attachment,
+    tell: Callable[[str], None],
+    warn: Callable[[str], None],
 ) -> None:
     with tempfile.TemporaryDirectory() as folder:
-        path = os.path.join(folder, name)
-        with open(path, "wb") as file:
-            file.write(data)
-        taken = take_mesh(path)
+        path = os.path.join(folder, attached.name)
+        try:
+            with open(path, "wb") as file:
+                file.write(_content(attached.data))
+            taken = take_mesh(path)
+        except (OSError, ValueError) as error:
+            reason = str(error).replace(folder + os.sep, "")
+            warn(f"the mesh of {object_id} is left out, mesh_add.py can add another one: {reason}")
+            return
     for note in taken.notes:
         tell(f"{object_id}: {note}")
     database.meshes.set(object_id, taken.stored)
+
+
+def _content(data: Any) -> bytes:
+    if not isinstance(data, str):
+        raise ValueError(f"its data is {brief(data)}, must be text")
+    try:
+        return base64.b64decode(data, validate=True)
+    except ValueError as error:
+        raise ValueError(f"its data cannot be read: {error}") from None

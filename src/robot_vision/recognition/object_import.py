@@ -3,7 +3,7 @@
 import argparse
 import os
 import sys
-from typing import Sequence
+from typing import Callable, List, Sequence
 
 from ..common.commands import run_command
 from .bop_import import add_models, import_bop, is_bop
@@ -52,16 +52,21 @@ def add(arguments: argparse.Namespace) -> None:
         )
     if not arguments.commit and not os.path.lexists(path):
         raise ValueError(f"there is no database {path} yet: --commit makes it")
+    lacks: List[str] = []
     with Database(path, write=True) as database, database.transaction(arguments.commit):
-        count = _import(database, arguments)
+        count = _import(database, arguments, lacks.append)
+    for lack in lacks:
+        print(lack, file=sys.stderr)
     objects = f"{count} object{'s' * (count != 1)}"
     print(f"{objects} added" if arguments.commit else f"would add {objects}\n{COMMIT}")
+    if lacks:
+        raise ValueError(f"not all of {arguments.source} can be taken")
 
 
-def _import(database: Database, arguments: argparse.Namespace) -> int:
+def _import(database: Database, arguments: argparse.Namespace, warn: Callable[[str], None]) -> int:
     source, replace = arguments.source, arguments.replace
     if not os.path.isdir(source):
-        return import_couch(database, source, replace, print)
+        return import_couch(database, source, replace, print, warn)
     if is_bop(source, arguments.models):
         split, models = arguments.split, arguments.models
         return import_bop(database, source, split, replace, print, models)
