@@ -112,10 +112,11 @@ void bindReading(py::module& m)
       .def_readonly("dropped", &LoadedMesh::dropped, "how many triangles without an area were left out")
       .def_readonly("warnings", &LoadedMesh::warnings, "sentences: textures that are missing, what is not closed, ...");
   m.def(
-      "read_mesh", &readMesh, "path"_a, "unit"_a = "", Unlocked(),
+      "read_mesh", &readMesh, "path"_a, "unit"_a = "", "scale"_a = 1.0, Unlocked(),
       "Reads a mesh, in a process of its own: stl, obj, dae, ply, gltf, glb, and what else assimp knows. unit: that of "
-      "the file, m, cm, mm or inch; empty: what the file says, or what makes a thing that one can handle.\n\n"
-      "Raises ValueError naming the path for a file that is no mesh that can be used or another unit, and "
+      "the file, m, cm, mm or inch; empty: what the file says, or what makes a thing that one can handle. scale: what "
+      "its numbers are multiplied by besides.\n\n"
+      "Raises ValueError naming the path for a file that is no mesh that can be used or another unit or scale, and "
       "RuntimeError if it cannot be read.");
 }
 

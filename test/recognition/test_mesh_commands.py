@@ -181,13 +181,15 @@ def test_members_of_a_packed_mesh_that_are_no_arrays(box, name):
         (100.0, ["--unit", "cm"], 0.01),
         (1.0 / 0.0254, ["--unit", "inch"], 0.0254),
         (500.0, ["--unit", "mm", "--scale", "2"], 0.001),
+        (100.0, ["--unit", "m", "--scale", "0.01"], 1.0),
+        (4e3, ["--scale", "0.00025"], 1.0),
     ],
 )
 def test_units(run, path, box, tmp_path, factor, words, unit):
     write_mesh(str(tmp_path / "part.stl"), scaled(box, factor))
     add(run, "part", tmp_path / "part.stl", *words)
     mesh, drawn = stored(path, "part")
-    assert mesh.unit == unit and mesh.scale == (2.0 if "--scale" in words else 1.0)
+    assert mesh.unit == unit and mesh.scale == (float(words[-1]) if "--scale" in words else 1.0)
     assert same_shape(drawn, box)
 
 

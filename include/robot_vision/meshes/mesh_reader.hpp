@@ -28,11 +28,12 @@ struct LoadedMesh
 /// inside was out are turned, and so are normals that do not point to the outside of their triangles.
 ///
 /// `unit` is that of the file: m, cm, mm or inch; if it is empty, it is what the file says, or what makes a thing that
-/// one can handle.
+/// one can handle. `scale`, which is positive, is what the numbers of the file are multiplied by besides.
 ///
-/// Throws std::invalid_argument naming the path if the unit is another one or the file is no mesh that can be used: no
-/// triangles, more than 2 million, numbers that are not finite, a thing of less than 5 mm or more than 3 m, and
-/// std::runtime_error if it cannot be read: it is not there, damaged, or takes too long or too much memory.
-LoadedMesh readMesh(const std::string& path, const std::string& unit = "");
+/// Throws std::invalid_argument naming the path if the unit is another one, the scale is not positive, or the file is
+/// no mesh that can be used: no triangles, more than 2 million, numbers that are not finite, a thing of less than 5 mm
+/// or more than 3 m, and std::runtime_error if it cannot be read: it is not there, damaged, or takes too long or too
+/// much memory.
+LoadedMesh readMesh(const std::string& path, const std::string& unit = "", double scale = 1.0);
 
 }  // namespace robot_vision

@@ -45,8 +45,9 @@ struct MeshUnit
   std::string reason;
 };
 
-/// `named` is what the user says, or empty. Throws std::invalid_argument for an unknown one, and if the size in m is
-/// not that of a thing to be handled.
-MeshUnit meshUnit(const std::string& named, bool is_metric, const cv::Vec3d& size);
+/// `named` is what the user says, or empty; `scale` is what the numbers are multiplied by besides. Throws
+/// std::invalid_argument for an unknown unit, another scale than a positive one, and if the size in m is not that of a
+/// thing to be handled.
+MeshUnit meshUnit(const std::string& named, bool is_metric, const cv::Vec3d& size, double scale);
 
 }  // namespace robot_vision

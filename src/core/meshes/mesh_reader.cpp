@@ -120,7 +120,7 @@ void addWarnings(LoadedMesh& loaded)
 }
 
 /// Throws, without the path in the text.
-LoadedMesh load(const std::string& path, const std::string& unit)
+LoadedMesh load(const std::string& path, const std::string& unit, double scale)
 {
   checkMeshFile(path);
   StreamedMesh streamed = parseMeshStream(outputOf(path));
@@ -133,11 +133,11 @@ LoadedMesh load(const std::string& path, const std::string& unit)
   repairLook(mesh, hasLook(path));
   loaded.dropped = tidy(mesh);
   if (mesh.triangles.empty()) throw std::invalid_argument("none of its triangles has an area");
-  const MeshUnit found = meshUnit(unit, streamed.is_metric, sizeOf(mesh));
+  const MeshUnit found = meshUnit(unit, streamed.is_metric, sizeOf(mesh), scale);
   loaded.unit = found.name;
   loaded.unit_reason = found.reason;
   for (cv::Vec3f& vertex : mesh.vertices)
-    vertex *= static_cast<float>(found.metres);
+    vertex *= static_cast<float>(found.metres * scale);
   const MeshSurface surface = meshSurface(mesh);
   loaded.open_edges = surface.open_edges;
   loaded.closed = surface.open_edges == 0;
@@ -152,11 +152,11 @@ LoadedMesh load(const std::string& path, const std::string& unit)
 
 }  // namespace
 
-LoadedMesh readMesh(const std::string& path, const std::string& unit)
+LoadedMesh readMesh(const std::string& path, const std::string& unit, double scale)
 {
   try
   {
-    return load(path, unit);
+    return load(path, unit, scale);
   }
   catch (const std::invalid_argument& e)
   {

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 
 #include "mesh_parts.hpp"
@@ -50,9 +51,10 @@ const KnownUnit& guess(const cv::Vec3d& size)
   return kUnits[side <= largest_in_m ? 0 : side <= largest_in_cm ? 1 : 2];
 }
 
-std::string guessWords(const KnownUnit& unit, const cv::Vec3d& size)
+std::string guessWords(const KnownUnit& unit, const cv::Vec3d& size, double scale)
 {
-  std::string words = "its numbers are " + sizeWords(size, "large") + ", which is taken for " + unit.name;
+  const std::string numbers = scale == 1.0 ? "its numbers" : "its numbers times " + toText(scale);
+  std::string words = numbers + " are " + sizeWords(size, "large") + ", which is taken for " + unit.name;
   std::string others;
   for (const KnownUnit& other : kUnits)
     if (other.name != unit.name && isHandled(size * other.metres) && longest(size) * other.metres >= kMinGuess)
@@ -63,18 +65,19 @@ std::string guessWords(const KnownUnit& unit, const cv::Vec3d& size)
 
 }  // namespace
 
-MeshUnit meshUnit(const std::string& named, bool is_metric, const cv::Vec3d& size)
+MeshUnit meshUnit(const std::string& named, bool is_metric, const cv::Vec3d& size, double scale)
 {
+  require(std::isfinite(scale) && scale > 0.0, "scale", scale, "positive");
   const auto known = std::find_if(kUnits.begin(), kUnits.end(), [&](const KnownUnit& u) { return u.name == named; });
   require(named.empty() || known != kUnits.end(), "unit", "'" + named + "'", "m, cm, mm or inch");
-  const KnownUnit& unit = !named.empty() ? *known : is_metric ? kUnits[0] : guess(size);
-  const cv::Vec3d metres = size * unit.metres;
+  const KnownUnit& unit = !named.empty() ? *known : is_metric ? kUnits[0] : guess(size * scale);
+  const cv::Vec3d metres = size * scale * unit.metres;
   require(isHandled(metres), "its size",
           sizeWords(metres, "m") + (named.empty() && !is_metric ? "" : std::string(" in ") + unit.name),
           "from 0.005 to 3 m along its longest side; is its unit another one?");
   const std::string reason = !named.empty() ? "its unit is " + named + ", as was said"
                              : is_metric    ? "its unit is m, as files of its format say"
-                                            : guessWords(unit, size);
+                                            : guessWords(unit, size * scale, scale);
   return {unit.name, unit.metres, reason + ": it is " + sizeWords(metres, "m")};
 }
 

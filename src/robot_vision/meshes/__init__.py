@@ -45,19 +45,20 @@ __all__ = [
 ]
 
 
-def read_mesh(path: str, unit: Optional[str] = None) -> LoadedMesh:
+def read_mesh(path: str, unit: Optional[str] = None, scale: float = 1.0) -> LoadedMesh:
     """Reads a mesh in a process of its own: stl, obj, dae, ply, gltf, glb, and what assimp knows.
 
     Args:
         path: The file; textures are beside it.
         unit: That of the file: m, cm, mm or inch. None: what the file says, or what makes a thing
             that one can handle.
+        scale: What its numbers are multiplied by besides.
 
     Raises:
-        ValueError: The file is no mesh that can be used, or there is no such unit.
+        ValueError: The file is no mesh that can be used, or there is no such unit or scale.
         OSError: The file cannot be read: it is not there, damaged, or takes too long.
     """
     try:
-        return _read_mesh(os.fsencode(path), unit or "")  # Its bytes may be no UTF-8.
+        return _read_mesh(os.fsencode(path), unit or "", scale)  # Its bytes may be no UTF-8.
     except RuntimeError as error:
         raise OSError(str(error)) from None

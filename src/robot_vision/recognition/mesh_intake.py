@@ -17,7 +17,6 @@ from .database.folder_files import MAX_DATA, is_file_name
 from .mesh_data import pack_mesh
 
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}  # m
-MIN_SIZE, MAX_SIZE = 0.005, 3.0  # m, of the largest side of an object
 MAX_FILES = 50  # that a mesh names
 MAX_SCANNED = 256 << 20  # bytes of a file that are looked through: 2 million triangles have less
 # What names other files: of obj, mtl, ply, gltf and dae. Nothing in it is looked for again from
@@ -62,18 +61,12 @@ def take_mesh(
         ValueError: It is no mesh that can be used.
     """
     original = read_file(path, MAX_DATA)
-    loaded = read_mesh(path, unit)
+    loaded = read_mesh(path, unit, scale)
     mesh, offset = loaded.mesh, np.zeros(3)
-    if scale != 1.0 or center:
-        offset = scale * np.asarray(mesh_extent(mesh).center) if center else offset
-        mesh = _moved(mesh, scale, offset)
-    size = np.asarray(mesh_extent(mesh).size)
-    if not MIN_SIZE <= size.max() <= MAX_SIZE:
-        raise ValueError(
-            f"{path}: it is {size.max():.3g} m long after scaling, must be from {MIN_SIZE:g} to "
-            f"{MAX_SIZE:g}"
-        )
-    sides = " x ".join(f"{1000.0 * side:.1f}" for side in size)
+    if center:
+        offset = np.asarray(mesh_extent(mesh).center)
+        mesh = _moved(mesh, -offset)
+    sides = " x ".join(f"{1000.0 * side:.1f}" for side in mesh_extent(mesh).size)
     notes = [loaded.unit_reason, f"it is {sides} mm, of {len(mesh.triangles)} triangles"]
     stored = StoredMesh(
         _stored_name(os.path.basename(path)),
@@ -95,9 +88,9 @@ def _stored_name(name: str) -> str:
     return name if name != CAPTURED else f"given_{name}"
 
 
-def _moved(mesh: Mesh, scale: float, offset: np.ndarray) -> Any:
+def _moved(mesh: Mesh, offset: np.ndarray) -> Any:
     return Mesh(
-        (scale * mesh.vertices.astype(float) - offset).astype(np.float32),
+        (mesh.vertices.astype(float) + offset).astype(np.float32),
         mesh.triangles,
         mesh.normals,
         mesh.colors,
