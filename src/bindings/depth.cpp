@@ -23,6 +23,8 @@ void bindImages(py::module& m)
 {
   bindParams<DepthErrorParams>(m, "DepthErrorParams",
                                "How wrong the distances of a depth camera are; the defaults are those of a Kinect.");
+  m.def("depth_deviation", &depthDeviation, "depth"_a, "errors"_a = DepthErrorParams(),
+        "The standard deviation (m) of the depth (m) of one pixel: its noise and its step.");
   m.def(
       "to_metres",
       [](const py::array& depth)

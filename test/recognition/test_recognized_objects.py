@@ -8,7 +8,10 @@ from still_clock import StillClock
 import robot_vision as rv
 from robot_vision.recognition import recognition_markers
 from robot_vision.recognition.found import Found, KnownObject
+from robot_vision.recognition.known_objects import corners_of
+from robot_vision.recognition.looks import Looks
 from robot_vision.recognition.recognition_markers import ObjectMarkers, title
+from robot_vision.recognition.recognition_messages import clouds_of
 from robot_vision.recognition.recognizer import RecognitionParams, Recognizer
 from robot_vision.recognition.straight_images import StraightImages
 
@@ -224,6 +227,25 @@ def test_depths_of_millimetres_and_arrays_with_gaps_will_do(scene, shape):
     frame.set(bgr[:, :, :], wide[:, ::2])
     refined = rv.PoseRefiner().refine(frame, shape, truth)
     assert np.linalg.norm(refined.pose[:3, 3] - truth[:3, 3]) < 0.002
+
+
+@pytest.mark.parametrize("distance", [0.7, 3.0])
+def test_the_cloud_has_nearly_all_depths_of_an_object(bracket, shape, distance):
+    """Also from afar, where the sensor's depths are centimetres off."""
+    center = rv.mesh_extent(bracket.mesh).center
+    truth = pose_of((2.0, 0.4, 0.2), (0.01, -0.01, distance), center)
+    depth = rv.MeshRenderer(bracket.mesh).render(K, truth, (0, 0, *SIZE)).depth
+    noisy = rv.DepthNoise("kinect", camera_of()).apply(0, depth)
+    seen = np.isfinite(depth) & np.isfinite(noisy)
+    depths = np.where(np.isfinite(depth), noisy, depth.dtype.type(distance + 0.2))
+    known = KnownObject("id", "part", bracket.mesh, shape, corners_of(bracket.mesh), {})
+    found = [Found(known, truth, np.eye(6), 1.0)]
+    errors = rv.DepthErrorParams()
+    (cloud,) = clouds_of(found, depths, camera_of(), Looks(), errors)
+    assert 0.9 * seen.sum() < len(cloud) <= seen.sum()
+    errors.depth_noise = 0.1
+    (all_,) = clouds_of(found, depths, camera_of(), Looks(), errors)
+    assert len(all_) >= len(cloud)
 
 
 def test_what_cannot_be_is_refused(scene, shape, frame):

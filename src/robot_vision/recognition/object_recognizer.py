@@ -203,11 +203,11 @@ class ObjectRecognizer:
         return self._processed.get_num_connections() > 0
 
     def _publish(self, seen: Seen) -> None:
-        header = seen.frame.header
+        header, errors = seen.frame.header, self._settings.params.errors
 
         def array_of(limits: Optional[Limits]) -> RecognizedObjectArray:
             found = [one for one in seen.found if limits is None or limits.holds(one.pose)]
-            clouds = clouds_of(found, seen.depth, seen.straight, self._straight_looks)
+            clouds = clouds_of(found, seen.depth, seen.straight, self._straight_looks, errors)
             return object_array(header, found, self._source.path, clouds)
 
         self._calls.offer(lambda: array_of, seen.taken)

@@ -10,7 +10,7 @@ from shape_msgs.msg import MeshTriangle
 from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
 
-from .. import CameraModel, Mesh
+from .. import CameraModel, DepthErrorParams, Mesh, depth_deviation
 from ..depth.places import label_in_frames
 from ..msg import (
     Detection,
@@ -25,7 +25,8 @@ from ..ros.poses import transform_of, with_covariance
 from .found import Found, Look, database_json
 from .looks import Looks
 
-SURFACE = 0.01  # m, by which depths of an object may be before or behind its surface
+SURFACE = 0.01  # m, by which depths of an object may be before or behind its surface, or
+DEVIATIONS = 3.0  # standard deviations of these depths, if that is more
 # Of the corners of a box: pairs of triangles, one side after the other, seen from outside.
 SIDES = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
 
@@ -94,7 +95,11 @@ def point_cloud(header: Header, places: np.ndarray, colors: Sequence = ()) -> Po
 
 
 def clouds_of(
-    found: Sequence[Found], depth: Optional[np.ndarray], camera: CameraModel, looks: Looks
+    found: Sequence[Found],
+    depth: Optional[np.ndarray],
+    camera: CameraModel,
+    looks: Looks,
+    errors: DepthErrorParams,
 ) -> List[np.ndarray]:
     """Returns the points, (n, 3) m, of a depth image that are on the surface of each object.
 
@@ -103,6 +108,7 @@ def clouds_of(
         depth: (height, width), uint16 in mm or float32 in m; None: there are none.
         camera: The camera of the depths, without distortion.
         looks: What draws the objects.
+        errors: Those of the depths.
     """
     if depth is None:
         return [np.zeros((0, 3))] * len(found)
@@ -113,8 +119,9 @@ def clouds_of(
         x, y, width, height = look.box
         z = depth[y : y + height, x : x + width]
         z = z * np.float32(0.001) if z.dtype == np.uint16 else z
+        surface = max(SURFACE, DEVIATIONS * depth_deviation(one.middle[2], errors))
         with np.errstate(invalid="ignore"):
-            rows, columns = np.nonzero(np.abs(z - look.depth) < SURFACE)
+            rows, columns = np.nonzero(np.abs(z - look.depth) < surface)
         z = z[rows, columns]
         rays = np.column_stack(
             [
