@@ -2,6 +2,7 @@
 
 import pytest
 
+from robot_vision.recognition import detection
 from robot_vision.recognition.database import Database, Model, Object
 from robot_vision.recognition.ork_file import Cell, read_ork
 from robot_vision.recognition.ork_node import node_words, with_typed
@@ -228,6 +229,31 @@ def test_files_that_are_none(tmp_path):
     (tmp_path / "bytes.ork").write_bytes(b"\xff\xfe")
     with pytest.raises(ValueError, match=r"bytes\.ork: 'utf-8' codec"):
         read_ork(str(tmp_path / "bytes.ork"))
+
+
+def test_what_pipelines_do_not_share_is_told(tmp_path, capsys):
+    """One node has the database, the tables and the objects of all of them."""
+    paths = [tmp_path / f"{name}.db" for name in ("first", "second")]
+    with Database(str(paths[0]), write=True) as database, database.transaction():
+        ids = [database.objects.add(Object(name)).id for name in ("coke", "mug")]
+    cells = [
+        f"pipeline{1 + index}: {{type: {kind}, object_names: [{name}], db: {{root: {path}}}}}"
+        for index, (kind, name, path) in enumerate(
+            zip(("TabletopObjectDetector", "TodDetector"), ("coke", "mug"), paths)
+        )
+    ]
+    file = written(tmp_path, "\n".join(cells))
+    words = detection.words_of(detection.parse_arguments(["-c", file]))
+    assert capsys.readouterr().err.splitlines() == [
+        f"warning: {file}: pipeline1: not only tables are looked at, as for other pipelines",
+        f"warning: {file}: pipeline2: {paths[1]} is not used: the database is that of pipeline1",
+        f"warning: {file}: pipeline2: its objects and those of pipeline1 are looked for by both",
+    ]
+    assert f'_database:="{paths[0]}"' in words and "_on_tables:=true" not in words
+    assert f'_objects:="{",".join(ids)}"' in words
+    same = ["--database", str(paths[0]), "--object_names", "[mug]"]
+    detection.words_of(detection.parse_arguments(["-c", file, *same]))
+    assert capsys.readouterr().err.count("warning") == 1
 
 
 @pytest.mark.parametrize(

@@ -69,12 +69,15 @@ def words_of(arguments: argparse.Namespace) -> List[str]:
     for pipeline in pipelines:
         known = ["table_detector", "clusterer"] if pipeline.method == TABLES else []
         file.warnings += unknown_warnings(pipeline.name, pipeline.parameters, known)
+    for pipeline in learned:
+        choose_objects(pipeline, arguments)
+    paths = [database_of(arguments, pipeline, file.path) for pipeline in learned]
+    file.warnings += _shared_warnings(learned, paths)
     tell(file)
     words.append(parameter_word("methods", ",".join(dict.fromkeys(one.method for one in learned))))
     if learned:
-        path = database_of(arguments, learned[0], file.path)
-        words.append(parameter_word("database", path))
-        words.append(parameter_word("objects", _objects(arguments, learned, path)))
+        words.append(parameter_word("database", paths[0]))
+        words.append(parameter_word("objects", _objects(learned, paths[0])))
         words.append(parameter_word("needs_models", True))
         words += (
             [parameter_word("on_tables", True)] if all(one.on_tables for one in learned) else []
@@ -82,10 +85,24 @@ def words_of(arguments: argparse.Namespace) -> List[str]:
     return [*words, parameter_word("ork_names", True)]
 
 
-def _objects(arguments: argparse.Namespace, pipelines: Sequence[Pipeline], path: str) -> str:
+def _shared_warnings(pipelines: Sequence[Pipeline], paths: Sequence[str]) -> List[str]:
+    """Returns in what pipelines, with their databases, differ that one node has for all of them."""
+    warnings = []
+    for one, path in zip(pipelines, paths):
+        first = pipelines[0]
+        if path != paths[0]:
+            warnings.append(f"{one.name}: {path} is not used: the database is that of {first.name}")
+        if one.on_tables and not all(other.on_tables for other in pipelines):
+            warnings.append(f"{one.name}: not only tables are looked at, as for other pipelines")
+        if one.method != first.method and one.objects != first.objects:
+            warnings.append(
+                f"{one.name}: its objects and those of {first.name} are looked for by both"
+            )
+    return warnings
+
+
+def _objects(pipelines: Sequence[Pipeline], path: str) -> str:
     """Returns the ids of all objects that the pipelines name, or "" for all that there are."""
-    for pipeline in pipelines:
-        choose_objects(pipeline, arguments)
     if any(pipeline.objects in (ALL, MISSING) for pipeline in pipelines):
         return ""
     with Database(path) as database:
