@@ -292,14 +292,20 @@ def test_names_that_are_no_utf_8(run, path, box, box_file, tmp_path):
         ("mtllib a.mtl\r\n", ["a.mtl"]),
         ("  mtllib\ta b.mtl  \nmtllib\nv 1 2 3\n", ["a b.mtl"]),
         ("map_Kd -s 2 -o 1 c.png\nbump d.png\n", ["c.png", "d.png"]),
+        ("map_Kd -s 1 -1.5 1 -clamp on c.png\nbump -bm 0.2 d.png\n", ["c.png", "d.png"]),
+        ("map_Kd tex/h.png\nmap_Ks C:\\\\work\\\\c.png\n", ["c.png", "h.png"]),
+        ('{"uri": "./tex/h.png"}, {"uri": "a%20b.mtl"}', ["a b.mtl", "h.png"]),
+        ('{"uri": "../mesh/tex/h.png"}, {"uri": "/etc/passwd"}', []),
         ('{"uri" : "e.bin"}, {"uri":"../f.bin"}', ["e.bin"]),
         ("<init_from>\n g.png </init_from><init_from> </init_from>", ["g.png"]),
     ],
 )
 def test_files_that_a_mesh_names(tmp_path, names, taken):
-    for name in ("a.mtl", "a b.mtl", "c.png", "d.png", "e.bin", "g.png", "other"):
-        (tmp_path / name).write_bytes(b"x")
-    assert sorted(mesh_intake.files_beside(str(tmp_path / "mesh"), names.encode())) == taken
+    folder = tmp_path / "mesh"
+    (folder / "tex").mkdir(parents=True)
+    for name in ("a.mtl", "a b.mtl", "c.png", "d.png", "e.bin", "g.png", "tex/h.png", "other"):
+        (folder / name).write_bytes(b"x")
+    assert sorted(mesh_intake.files_beside(str(folder / "a.obj"), names.encode())) == taken
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ import itertools
 import os
 import re
 from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Set
+from urllib.parse import unquote
 
 import numpy as np
 
@@ -22,7 +23,8 @@ MAX_SCANNED = 256 << 20  # bytes of a file that are looked through: 2 million tr
 # What names other files: of obj, mtl, ply, gltf and dae. Nothing in it is looked for again from
 # each place of what was passed, so that any file takes a time in proportion to its size.
 NAMES = re.compile(
-    rb"^[ \t]*(?:mtllib|map_\w+(?:[ \t]+-\w+[ \t]+\S+){0,20}|bump|comment TextureFile)"
+    rb"^[ \t]*(?:mtllib|(?:map_\w+|bump)"
+    rb"(?:[ \t]+-\w+[ \t]+\S+(?:[ \t]+[-+.\d]+(?=[ \t])){0,2}){0,20}|comment TextureFile)"
     rb'[ \t]([^\r\n]+)|"uri"\s*:\s*"([^"]+)"|<init_from>([^<]{1,1000})</init_from>',
     re.MULTILINE,
 )
@@ -102,21 +104,37 @@ def _moved(mesh: Mesh, offset: np.ndarray) -> Any:
 
 
 def files_beside(path: str, data: bytes) -> Dict[str, bytes]:
-    """Returns the files beside a mesh that it names, and that these name, by their names."""
+    """Returns the files that a mesh names, and that these name, by their names without folders.
+
+    So what is in folders below the mesh is found again beside it, where read_mesh() looks, too.
+    """
     folder, found = os.path.dirname(path), {}
     waiting = _names_in(data)
     seen: Set[str] = {os.path.basename(path)}
     while waiting and len(found) < MAX_FILES:
-        name = waiting.pop(0)
-        if name in seen or not is_file_name(name):
-            continue
-        seen.add(name)
-        try:
-            found[name] = read_file(os.path.join(folder, name), MAX_IMAGE)
-        except OSError:  # The mesh was read without it.
-            continue
-        waiting += _names_in(found[name])
+        for place in _places(waiting.pop(0)):
+            name = os.path.basename(place)
+            if name in seen or not is_file_name(name):
+                continue
+            try:
+                found[name] = read_file(os.path.join(folder, place), MAX_IMAGE)
+            except OSError:  # It is elsewhere, or the mesh was read without it.
+                continue
+            seen.add(name)
+            waiting += _names_in(found[name])
+            break
     return found
+
+
+def _places(name: str) -> List[str]:
+    """Returns where a file of this name may be: below the folder of the mesh, or in it."""
+    places = []
+    for one in (name, unquote(name)):  # URIs have %20 for a space.
+        below = os.path.normpath(one.replace("\\", "/"))
+        if "\0" not in below and not os.path.isabs(below) and below.split("/")[0] != "..":
+            places.append(below)
+        places.append(os.path.basename(below))
+    return list(dict.fromkeys(places))
 
 
 def _names_in(data: bytes) -> List[str]:
