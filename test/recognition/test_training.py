@@ -10,7 +10,14 @@ import sqlite3
 import pytest
 
 from robot_vision.recognition import methods, training, training_progress, training_run
-from robot_vision.recognition.database import Database, Mesh, Object, Symmetry, models
+from robot_vision.recognition.database import (
+    Database,
+    Mesh,
+    Object,
+    Symmetry,
+    connection,
+    models,
+)
 from robot_vision.recognition.training_progress import TrainingProgress
 
 TOTAL = 20
@@ -241,6 +248,25 @@ def test_a_long_training_is_stored_now_and_then(run, path, method, monkeypatch):
     assert run()[0] == 0 and stored == [3, 6, 9, 12, 15, 18, 20]
 
 
+def test_a_long_training_goes_on_while_another_program_writes(run, path, method, monkeypatch):
+    add(path, "coke", b"can")
+    monkeypatch.setattr(training_run, "SAVE_PERIOD", 0.0)
+    monkeypatch.setattr(connection, "TIMEOUT", 0.0)
+    usual = training_run._store
+
+    def store(database, key, trainer):
+        with contextlib.closing(sqlite3.connect(path, isolation_level=None)) as other:
+            other.execute("BEGIN IMMEDIATE" if trainer.done == 6 else "BEGIN")
+            usual(database, key, trainer)
+
+    monkeypatch.setattr(training_run, "_store", store)
+    code, out, err = run()
+    assert (code, err) == (0, "")
+    said = f"coke: LINEMOD: what was done is not stored yet: {path} is being written by another"
+    assert out.count(said) == 1 and out.endswith("coke: LINEMOD: 20 views learned\n")
+    assert model(path, "coke") is not None
+
+
 def test_objects_without_a_mesh(run, path, method):
     one = add(path, "bare")
     code, _, err = run()
@@ -358,7 +384,7 @@ def test_progress_on_a_terminal_and_elsewhere(monkeypatch):
         for progress in progresses:
             progress.update(done)
     for progress in progresses:
-        progress.end("200 views learned")
+        progress.tell("200 views learned")
     told = terminal.getvalue().split("\r")
     assert told[1] == "coke: PPF: 60 of 200 views, 0:03 min left\033[K"
     assert told[-2].startswith("coke: PPF: 200 of 200 views") and len(told) == 10

@@ -47,8 +47,8 @@ class TrainingProgress:
             self._told = done
             self._write(done, self._left(done, now))
 
-    def end(self, text: str) -> None:
-        """Tells the result in place of how far it is."""
+    def tell(self, text: str) -> None:
+        """Tells something in place of how far it is, as the result."""
         self._clear()
         print(f"{self._title}: {text}", file=self._stream, flush=True)
 

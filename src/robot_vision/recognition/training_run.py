@@ -13,6 +13,7 @@ from ..common.errors import about
 from ..common.plain_text import printable
 from .database import Database, Model, Object
 from .database.blobs import digest_of
+from .database.connection import BusyError
 from .database.meshes import MeshEntry, to_json
 from .methods import Method, ObservingMethod, Trainer
 from .observed_views import ObservationSource
@@ -81,7 +82,7 @@ def train(database: Database, task: Task, force: bool) -> bool:
             model = _model(task, key, trainer.model())
             with database.transaction():
                 database.models.set(model)
-            progress.end(f"{trainer.total} views learned")
+            progress.tell(f"{trainer.total} views learned")
     return True
 
 
@@ -129,11 +130,14 @@ def _work(database: Database, key: str, trainer: Trainer, progress: TrainingProg
             trainer.step()
             progress.update(trainer.done)
             if time.monotonic() - saved > SAVE_PERIOD:
-                _store(database, key, trainer)
+                try:
+                    _store(database, key, trainer)
+                except BusyError as error:  # Nobody needs it yet, and the next time is soon.
+                    progress.tell(f"what was done is not stored yet: {error}")
                 saved = time.monotonic()
     except KeyboardInterrupt:
         _store(database, key, trainer)
-        progress.end(
+        progress.tell(
             f"interrupted; {trainer.done} of {trainer.total} views are stored, from which the next "
             "training goes on"
         )
