@@ -358,7 +358,8 @@ CUT = [  # what did not come whole is not closed, and told
 STAMPED = (
     "Streams.prototype.openMessages.call({messages: new Map(), app: {connection: {channel:"
     " (kind, fields, receive) => setTimeout(() => receive({header: {stamp: %s}}, {stamp: 7.5}))}}},"
-    " '/x', (stamp) => (told = stamp)) && new Promise((done) => setTimeout(() => done(told)))"
+    " '/x', {onMessage: (stamp) => (told = stamp)}) &&"
+    " new Promise((done) => setTimeout(() => done(told)))"
 )
 STAMPS = [(STAMPED % "7.5", 7.5), (STAMPED % "0", 7.5)]  # of cameras that give none as well
 # The channels that are closed when the width has changed and these have given an image.
@@ -406,7 +407,17 @@ PINGS = [  # timers that come late, as those of hidden pages, are no silence of 
     (PING % "[60e3, 76e3]", None),
     (PING % "[60e3, 78e3]", "lost"),
 ]
+RECEIVED = (
+    "Channel.prototype.receive.call({number: 3, onData: () => (told = ['data']),"
+    " onError: (text) => (told = [text]), connection: {send: ({op, seq}) => told.push(op, seq)}},"
+    " %s, {seq: 5}).then(() => told)"
+)
+CHANNELS = [  # a message that the node could not read is none, and acknowledged all the same
+    (RECEIVED % "{_error: 'why', _type: 'a/B'}", ["why", "ack", 5]),
+    (RECEIVED % "{_type: 'a/B'}", ["data", "ack", 5]),
+]
 PARTS = {
+    "channels": CHANNELS,
     "tile_problem": PROBLEMS,
     "connection": ERRORS + PINGS,
     "geometry": GEOMETRY,

@@ -37,10 +37,10 @@ def node(name, **more):
     return {**told, "parameters": False, "status": None, **more}
 
 
-def topic(name):
+def topic(name, **more):
     kind = "CameraInfo" if name.endswith("camera_info") else "Image"
     told = {"name": name, "type": f"sensor_msgs/{kind}", "image": kind == "Image"}
-    return {**told, "publishers": ["/eye"], "subscribers": []}
+    return {**told, "publishers": ["/eye"], "subscribers": [], **more}
 
 
 class Played:
@@ -280,6 +280,25 @@ def follower(page, play):
     open_tool(page, "select")
     page.wait("robotVision.tiles.list()[0]?.size[0] > 0")
     return played
+
+
+def test_messages_that_the_node_cannot_read_are_told(page, follower):
+    said = "another version of its type"
+
+    def tell(session, fields):
+        session.channel(fields["channel"]).send_message({"_error": said}, 1.0, 1.0)
+        return {}
+
+    follower.answers["messages"] = tell
+    follower.graph["topics"] += [
+        topic("/object_tracker/state", type="robot_vision/TrackStateArray"),
+        topic("/x", type="robot_vision/DetectionArray"),
+    ]
+    follower.sessions[-1].push("graph", follower.graph)
+    page.wait_for_text(said, '[data-test="follows-nothing"]')
+    overlay = f"document.querySelector('{FOLLOWER} .overlay')"
+    painted = "getContext('2d').getImageData(9, 12, 1, 1).data[3] > 0"  # the words in the corner
+    page.wait(f"{overlay}.{painted}")
 
 
 def test_escape_ends_a_tool_together_with_its_panel_and_after_an_enlarged_image(page, follower):

@@ -42,7 +42,8 @@ export class Channel {
    * @param {string} op
    * @param {Object} fields
    * @param {(data: any, header: any) => void|Promise<void>} onData acknowledged when it is done
-   * @param {(text: string) => void} [onError] why it could not be opened; it is tried again
+   * @param {(text: string) => void} [onError] why it could not be opened, which is tried again, or
+   *   why a message could not be read
    */
   constructor(connection, op, fields, onData, onError = () => {}) {
     this.connection = connection;
@@ -81,13 +82,15 @@ export class Channel {
   }
 
   /**
-   * @param {any} data the message, or {header, payload}
+   * @param {any} data the message, {_error} if the node could not read it, or {header, payload}
    * @param {any} header with its number in the sequence
    */
   async receive(data, header) {
     const number = this.number;
     try {
-      if (!this.closed) await this.onData(data, header);
+      if (this.closed) return;
+      if (data._error === undefined) await this.onData(data, header);
+      else this.onError(data._error);
     } catch (error) {
       console.error(error);
     }

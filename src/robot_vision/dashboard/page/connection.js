@@ -177,8 +177,8 @@ export class Connection {
    * @param {(data: any, header: any) => void|Promise<void>} onData gets {header, payload}, or the
    *   message and its
    *   header {seq, stamp, received}; acknowledged when it is done
-   * @param {(text: string) => void} [onError] why it is refused; it is asked for again every few
-   *   seconds
+   * @param {(text: string) => void} [onError] why it is refused, and asked for again every few
+   *   seconds, or why a message could not be read
    * @returns {() => void} closes it
    */
   channel(op, fields, onData, onError) {

@@ -72,14 +72,7 @@ export class ImageView {
   open() {
     if (this.isOpen) return;
     this.isOpen = true;
-    this.feeds = this.overlays.map(({ topic, type }) => {
-      const pairing = new Pairing();
-      const feed = this.streams.openMessages(topic, (stamp) => {
-        pairing.message(stamp, performance.now());
-        requestPaint(this);
-      });
-      return { ...feed, type, pairing };
-    });
+    this.feeds = this.overlays.map((overlay) => this.feed(overlay));
     if (!this.topic) return;
     this.image = this.streams.openImage(this.topic, {
       width: this.wantedWidth(),
@@ -88,6 +81,22 @@ export class ImageView {
     });
     const { frames } = this.image.stream;
     if (frames.length) this.arrived(frames[frames.length - 1]);
+  }
+
+  /** The messages of one topic, and why they cannot be drawn. */
+  feed({ topic, type }) {
+    const feed = { type, pairing: new Pairing(), error: "" };
+    const fails = (text) => {
+      if (text === feed.error) return;
+      feed.error = text;
+      this.redraw();
+    };
+    const onMessage = (stamp) => {
+      feed.pairing.message(stamp, performance.now());
+      fails("");
+      requestPaint(this);
+    };
+    return Object.assign(feed, this.streams.openMessages(topic, { onMessage, onError: fails }));
   }
 
   close() {
@@ -195,7 +204,9 @@ export class ImageView {
     if (!this.drawn || !width || !this.size[0]) return;
     const scale = width / this.size[0];
     context.setTransform(scale, 0, 0, height / this.size[1], 0, 0);
-    drawOverlays(context, this.shown, { scale, ratio: devicePixelRatio, size: this.size });
+    const errors = new Set(this.feeds.map(({ error }) => error).filter(Boolean));
+    const view = { scale, ratio: devicePixelRatio, size: this.size };
+    drawOverlays(context, this.shown, view, errors);
     for (const draw of this.layers.values()) {
       context.save();
       draw(context, scale);

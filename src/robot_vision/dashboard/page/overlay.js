@@ -56,6 +56,8 @@ const DETECTIONS = "robot_vision/DetectionArray";
 /** What a node has followed over time: the same things as in its detections, with numbers. */
 const OBJECTS = "/objects";
 
+const ERROR_COLOR = "#ff6b6b";
+
 /** Types whose messages could not be drawn; that is told once. */
 const broken = new Set();
 
@@ -85,9 +87,11 @@ export function chooseOverlays(topics, typeOf) {
  * @param {CanvasRenderingContext2D} context its unit is a pixel of the image
  * @param {{type: string, data: any}[]} messages all of one image
  * @param {{scale: number, ratio: number, size: [number, number]}} view see Pen
+ * @param {Iterable<string>} [errors] why others cannot be drawn
  */
-export function drawOverlays(context, messages, view) {
+export function drawOverlays(context, messages, view, errors = []) {
   const pen = new Pen(context, view);
+  for (const text of errors) pen.corner(text, ERROR_COLOR);
   for (const { type, data } of messages) {
     try {
       DRAWERS[type](pen, data, messages);

@@ -81,8 +81,9 @@ function followed(app, node) {
     id < 0 ? `${node} follows nothing any more` : `${node} has forgotten object ${id}`,
   );
   const all = button(app, "Forget all", "forget-all", () => forget(-1));
-  const nothing = app.el("p", { class: "dim" }, "Nothing is followed yet.");
+  const nothing = app.el("p", { class: "dim", "data-test": "follows-nothing" });
   const show = ({ tracks }) => {
+    nothing.textContent = "Nothing is followed yet.";
     for (const [id, row] of rows) {
       if (!tracks.some((track) => track.id === id)) {
         row.element.remove();
@@ -96,10 +97,14 @@ function followed(app, node) {
     nothing.hidden = rows.size > 0;
     all.hidden = rows.size < 2;
   };
+  const fail = (text) => {
+    show({ tracks: [] });
+    nothing.textContent = text;
+  };
   show({ tracks: [] });
   const element = app.el("section", { class: "stack" }, app.el("h3", {}, node), nothing, list, all);
   const fields = { topic: `${node}/state`, rate: LIST_RATE };
-  return { element, close: app.connection.channel("messages", fields, show) };
+  return { element, close: app.connection.channel("messages", fields, show, fail) };
 }
 
 function rowOf(app, list, track, forget) {

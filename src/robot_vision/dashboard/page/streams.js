@@ -21,6 +21,12 @@ const KEPT_FRAMES = 5; // decoded, for tiles that wait for what was made of them
  */
 
 /**
+ * @typedef {Object} MessageListener
+ * @property {(stamp: number) => void} onMessage a message has come
+ * @property {(text: string) => void} onError why there is none that can be read
+ */
+
+/**
  * The images of one topic. All who show it share the channel of the largest of the sizes that they
  * need.
  */
@@ -102,13 +108,18 @@ class MessageStream {
   /** @param {any} app @param {string} topic */
   constructor(app, topic) {
     this.buffer = new StampBuffer();
-    /** @type {Set<(stamp: number) => void>} */
+    /** @type {Set<MessageListener>} */
     this.listeners = new Set();
     // The channel's stamp is that of the message, or when it came if it has none.
-    this.close = app.connection.channel("messages", { topic, rate: 0 }, (data, { stamp }) => {
-      this.buffer.add(stamp, data);
-      for (const listener of this.listeners) listener(stamp);
-    });
+    this.close = app.connection.channel(
+      "messages",
+      { topic, rate: 0 },
+      (data, { stamp }) => {
+        this.buffer.add(stamp, data);
+        for (const { onMessage } of this.listeners) onMessage(stamp);
+      },
+      (text) => this.listeners.forEach(({ onError }) => onError(text)),
+    );
   }
 }
 
@@ -148,7 +159,7 @@ export class Streams {
 
   /**
    * @param {string} topic
-   * @param {(stamp: number) => void} listener called when a message has come
+   * @param {MessageListener} listener
    * @returns {{buffer: StampBuffer, close: () => void}}
    */
   openMessages(topic, listener) {
