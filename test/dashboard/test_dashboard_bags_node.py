@@ -129,12 +129,25 @@ def test_a_recording_without_messages_says_so(page, folder):
     assert (bag["topics"], bag["duration"]) == ([], 0.0)
 
 
+def test_a_recording_that_loses_messages_says_so(page, folder, monkeypatch):
+    says = "[ WARN] [12.5]: rosbag record buffer exceeded.  Dropping oldest queued message."
+    script = f"echo '{says}' >&2; : > a.bag; exec sleep {support.DEADLINE}"
+    monkeypatch.setattr(bag_recording, "_command", lambda *_: ["sh", "-c", script])
+    page.request("bags")
+    page.request("bag_record", topics=[TOPIC], name="a")
+    lost = "recording, but messages are lost: the disk is too slow"
+    page.wait("recording", lambda status: status["state"] == lost, "the loss")
+    page.request("bag_stop")
+    end = page.wait("recording", lambda status: not status["active"], "the end")
+    assert end["state"] == "stopped; messages were lost, as the disk was too slow"
+
+
 def test_it_stops_at_its_size(page, folder, texts):
     page.request("bags")
     page.request("bag_record", topics=[TOPIC], name="a", max_megabytes=1)
     status = page.wait("recording", lambda status: not status["active"], "the end")
     assert status["state"] == "stopped at the limit of 1 MB"
-    assert status["size"] >= 1 << 20 and os.listdir(folder) == ["a.bag"]
+    assert status["size"] >= 10**6 and os.listdir(folder) == ["a.bag"]
 
 
 def test_it_stops_at_its_time(page, folder, texts):
@@ -149,7 +162,7 @@ def test_it_stops_before_the_disk_is_full(page, folder, texts, monkeypatch):
     free = [bag_recording.MIN_FREE * 3]
     monkeypatch.setattr(bag_recorder.BagFolder, "free_space", lambda self: free[0])
     record(page)
-    free[0] = 480 << 20
+    free[0] = 480 * bag_recording.MB
     status = page.wait("recording", lambda status: not status["active"], "the end")
     assert status["state"] == "stopped, for the disk has only 480 MB left"
     assert os.listdir(folder) == ["a.bag"]

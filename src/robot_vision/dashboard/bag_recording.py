@@ -23,11 +23,13 @@ from .bag_files import UNFINISHED, BagFolder
 from .bag_progress import BagProgress
 from .bag_summary import summary_of
 
-MB = 1 << 20
+MB = 10**6  # bytes
 PERIOD = 0.5  # s between looks at the bag
 MIN_FREE = 500 * MB  # bytes on the disk, below which recording stops
 BUFFER = 64  # MB, of messages that wait for the disk
 CLOSING_TIMEOUT = 60.0  # s for the index to be written
+MAX_SAID = 64 * 1024  # bytes of what the program says that are looked at
+LOSES = b"record buffer exceeded"  # which it says when messages wait longer than there is room
 
 Status = Dict[str, Any]
 
@@ -55,6 +57,7 @@ class Recording:
         self._size = 0
         self._counts = dict.fromkeys(topics, 0)
         self._counted = True
+        self._loses = False  # messages, as the disk is slower than they come
 
     def status(self) -> Status:
         """Returns what is known of it, as JSON can hold it."""
@@ -94,12 +97,14 @@ class Recording:
             )
             try:
                 with contextlib.ExitStack() as stack:
-                    self._watch(process, tell, stack)
+                    self._watch(process, tell, stack, output)
             finally:
                 self._finish(process)
             self._judge(process, output)
 
-    def _watch(self, process: Any, tell: Callable[[Status], Any], stack: Any) -> None:
+    def _watch(
+        self, process: Any, tell: Callable[[Status], Any], stack: Any, output: BinaryIO
+    ) -> None:
         progress: Optional[BagProgress] = None
         while process.poll() is None and not self._stop.wait(PERIOD):
             if progress is None:
@@ -108,6 +113,7 @@ class Recording:
                     progress = BagProgress(file)
             if progress:
                 self._look(progress)
+            self._loses = LOSES in _said(output)
             self._check_limits()
             tell(self.status())
 
@@ -127,6 +133,8 @@ class Recording:
             self.stop(f"stopped after {self._max_seconds:g} s, as wanted")
 
     def _progress(self) -> str:
+        if self._loses:
+            return "recording, but messages are lost: the disk is too slow"
         silent = self._counted and not any(self._counts.values())
         return "no message has come yet" if silent else "recording"
 
@@ -148,9 +156,10 @@ class Recording:
                 topics = summary_of(file)["topics"]
                 self._counts.update((topic["name"], topic["count"]) for topic in topics)
             self.stop("rosbag record has ended by itself")
+            if LOSES in _said(output):
+                self._reason += "; messages were lost, as the disk was too slow"
             return
-        output.seek(0)
-        lines = output.read(64 * 1024).decode(errors="replace").split("\n")
+        lines = _said(output).decode(errors="replace").split("\n")
         said = [printable(line.strip(), 200) for line in lines if line.strip()]
         left = os.path.exists(path + UNFINISHED)
         self._reason = "failed: " + (
@@ -159,6 +168,11 @@ class Recording:
         self._reason += (
             f"; {self.name}{UNFINISHED} is left: rosbag reindex may help" if left else ""
         )
+
+
+def _said(output: BinaryIO) -> bytes:
+    """Returns what the program has said, from whose end on it writes on."""
+    return os.pread(output.fileno(), MAX_SAID, 0)
 
 
 def _command(name: str, topics: Sequence[str]) -> List[str]:

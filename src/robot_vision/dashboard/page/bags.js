@@ -32,8 +32,8 @@ class BagsPanel {
   onRecording(status) {
     this.showRecording(status.active ? status : null);
     if (status.active) return;
-    const kind = status.state.startsWith("stopped") ? "good" : "bad";
-    this.app.notify(`${status.name}: ${status.state}`, kind);
+    const isWhole = status.state.startsWith("stopped") && !status.state.includes("lost");
+    this.app.notify(`${status.name}: ${status.state}`, isWhole ? "good" : "bad");
     this.list();
   }
 
