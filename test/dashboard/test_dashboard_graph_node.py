@@ -20,10 +20,26 @@ from robot_vision.msg import DetectionArray
 from robot_vision.ros import graph_master
 
 
+class GraphPage(FeaturePage):
+    """A page whose graphs have the statuses that were pushed last, as those of a browser."""
+
+    def pushes(self, kind):
+        if kind != "graph":
+            return super().pushes(kind)
+        graphs = []
+        for known, data in list(self.pushed):
+            if known == "graph":
+                graphs.append(data)
+            elif known == "statuses":
+                nodes = [{**node, "status": data.get(node["name"])} for node in graphs[-1]["nodes"]]
+                graphs.append({**graphs[-1], "nodes": nodes})
+        return graphs
+
+
 @pytest.fixture
 def page(master):
     feature = GraphFeature(Settings())
-    page = FeaturePage(feature, role="view")
+    page = GraphPage(feature, role="view")
     page.feature = feature
     yield page
     page.close()
@@ -219,6 +235,47 @@ def test_what_has_not_changed_is_not_read_again(page, monkeypatch):
     assert topic_of(known.look(), "/one_more")
     publisher.unregister()
     known.rest()
+
+
+class Looks:
+    """Plays what is known of the graph, and counts how often it is asked."""
+
+    def __init__(self):
+        self.count = 0
+        self.topics = []
+
+    def look(self):
+        self.count += 1
+        status = {"level": 0, "values": {"frames received": str(self.count)}}
+        nodes = [{"name": "/eye", "status": status}, {"name": "/ear", "status": None}]
+        return {"time": self.count, "problem": "", "nodes": nodes, "topics": list(self.topics)}
+
+    def rest(self):
+        pass
+
+
+def test_of_a_graph_that_stays_only_statuses_are_pushed(page, monkeypatch):
+    monkeypatch.setattr(graph_feature, "PERIOD", 0.01)
+    looks = page.feature._known = Looks()
+    page.request("graph")
+    page.wait_for_push(
+        "statuses", lambda statuses: int(statuses["/eye"]["values"]["frames received"]) > 5
+    )
+    assert all(set(statuses) == {"/eye"} for statuses in page.pushes("statuses"))
+    kinds = [kind for kind, _ in list(page.pushed)]
+    assert set(kinds[1:]) == {"statuses"} and kinds[0] == "graph"
+    looks.topics.append({"name": "/one_more"})
+    page.wait_for_push("graph", lambda graph: topic_of(graph, "/one_more"))
+    assert [kind for kind, _ in list(page.pushed)].count("graph") == 2
+
+
+def test_who_asks_again_and_again_has_nobody_ask_the_master_more_often(page, monkeypatch):
+    monkeypatch.setattr(graph_feature, "PERIOD", support.DEADLINE)
+    looks = page.feature._known = Looks()
+    for _ in range(20):
+        page.request("graph")
+    page.wait_for_push("graph")
+    assert looks.count <= 2  # the first request may come before the thread waits
 
 
 def test_pushes_end_with_the_session_and_others_stay(page):

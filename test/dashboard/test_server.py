@@ -12,7 +12,9 @@ from robot_vision.dashboard import server as server_module
 from robot_vision.dashboard.access import COOKIES
 from robot_vision.dashboard.handlers import GuardedHandler, GuardedSocket, Refused
 from robot_vision.dashboard.page_files import FOLDER, file_table
+from robot_vision.dashboard.page_socket import PageSocket
 from robot_vision.dashboard.server import bind
+from robot_vision.dashboard.web_video_viewer import MAX_UNSENT
 
 
 class ControlHandler(GuardedHandler):
@@ -382,6 +384,23 @@ def test_all_ports_may_be_taken(monkeypatch):
 def test_an_address_of_another_machine_is_an_error_in_one_line(address):
     with pytest.raises(ValueError, match=f"address is '{re.escape(address)}', port 8080: nothing"):
         bind(address, 8080, 10)
+
+
+def test_the_system_keeps_little_of_what_a_page_does_not_read(monkeypatch):
+    kept = []
+    opened = PageSocket.open
+
+    def look(page):
+        opened(page)
+        connection = page.ws_connection.stream.socket
+        kept.append(connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT))
+
+    monkeypatch.setattr(PageSocket, "open", look)
+    served = Served()
+    with served.page() as page:
+        assert page.ask("ping")
+    served.server.close()
+    assert kept == [MAX_UNSENT]
 
 
 def test_a_server_that_ends_leaves_its_port_free():

@@ -32,7 +32,8 @@ class GraphFeature:
     """Pushes the graph to the sessions that have asked for it, when something has changed.
 
     A thread of its own asks the master once a second while somebody looks, and listens to
-    /diagnostics.
+    /diagnostics. Statuses change each second and are a small part, so that of a graph which is
+    otherwise the same they are pushed alone.
     """
 
     def __init__(self, settings: Settings):
@@ -56,12 +57,11 @@ class GraphFeature:
         with self._lock:
             is_new = session not in self._sessions
             self._sessions.add(session)
-            newest = self._newest
-        if newest is not None:
-            session.push("graph", newest)
+            if self._newest is not None:
+                session.push("graph", self._newest)
         if is_new:
             session.on_close(lambda: self._forget(session))
-        self._changed.set()
+            self._changed.set()
         return {}
 
     def _forget(self, session: Session) -> None:
@@ -91,14 +91,26 @@ class GraphFeature:
             if self._throttle.due() and not rospy.core.is_shutdown_requested():
                 rospy.logerr("the graph cannot be shown: %s", error_text(error))
             return
-        with self._lock:
-            before = self._newest or {}
-            if {**before, "time": 0} == {**graph, "time": 0}:
+        statuses = _statuses(graph)
+        with self._lock:  # also while it is pushed, or a session could get an older one afterwards
+            before, self._newest = self._newest, graph
+            if before is None or _lasting(before) != _lasting(graph):
+                kind, data = "graph", graph
+            elif _statuses(before) != statuses:
+                kind, data = "statuses", statuses
+            else:
                 return
-            self._newest = graph
-            sessions = list(self._sessions)
-        for session in sessions:
-            session.push("graph", graph)
+            for session in self._sessions:
+                session.push(kind, data)
+
+
+def _lasting(graph: Dict[str, Any]) -> Dict[str, Any]:
+    """Returns a graph without what changes all the time."""
+    return {**graph, "time": 0, "nodes": [{**node, "status": None} for node in graph["nodes"]]}
+
+
+def _statuses(graph: Dict[str, Any]) -> Dict[str, Any]:
+    return {node["name"]: node["status"] for node in graph["nodes"] if node["status"]}
 
 
 class KnownGraph:

@@ -14,6 +14,7 @@ from tornado.websocket import WebSocketClosedError
 from .handlers import GuardedSocket, require_room
 from .operations import OperationTable, parse_request, request_number
 from .sessions import Session, Sessions
+from .web_video_viewer import limit_unsent
 
 LOG = logging.getLogger("dashboard")
 BINARY = 0x82  # the first byte of a binary message that is whole
@@ -44,6 +45,7 @@ class PageSocket(GuardedSocket):
 
     def open(self) -> None:
         self.set_nodelay(True)
+        limit_unsent(self.ws_connection.stream.socket)
         loop = IOLoop.current()
 
         def call(function: Callable[..., Any]) -> None:

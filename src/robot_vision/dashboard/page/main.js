@@ -63,6 +63,10 @@ function follow(app) {
     app.graph = graph;
     app.emit("graph", graph);
   });
+  connection.on("statuses", (statuses) => {
+    for (const node of app.graph.nodes) node.status = statuses[node.name] ?? null;
+    app.emit("graph", app.graph);
+  });
 }
 
 async function main() {
