@@ -167,6 +167,19 @@ def test_colours_are_those_of_the_node_after_a_new_connection(page, play):
     page.wait(f"{LIMIT} === '77'")
 
 
+def test_a_tracker_is_found_once_it_has_a_mask(page, play):
+    played = Tracker(play).played
+    one = played.graph["nodes"][0]
+    mask, one["publishes"] = one["publishes"], []
+    played.sessions[0].push("graph", played.graph)
+    page.wait("robotVision.graph.nodes[0].publishes.length === 0")
+    open_tool(page, "color")
+    assert not page.value(LIMIT)
+    one["publishes"] = mask
+    played.sessions[0].push("graph", played.graph)
+    page.wait(f"{LIMIT} === '50'")
+
+
 def test_a_limit_that_was_not_taken_is_not_shown(page, play):
     tracker = Tracker(play)
     open_tool(page, "color")

@@ -18,14 +18,19 @@ function rangeOf(values) {
   return { space: values.space, low: limits("low"), high: limits("high") };
 }
 
+/** The names of the nodes that have a mask, which they have some time after they have started. */
+function withMasks(app) {
+  const nodes = app.graph ? app.graph.nodes : [];
+  const has = ({ name, publishes }) => publishes.includes(`${name}/mask`);
+  return nodes.filter(has).map(({ name }) => name);
+}
+
 /** The nodes that have named colours. */
 async function trackers(app) {
-  const nodes = app.graph ? app.graph.nodes : [];
   const found = [];
-  for (const { name, publishes } of nodes) {
-    if (!publishes.includes(`${name}/mask`)) continue;
-    const { names, shown } = await app.connection.request("color_names", { node: name });
-    if (names.length) found.push({ node: name, names, shown });
+  for (const node of withMasks(app)) {
+    const { names, shown } = await app.connection.request("color_names", { node });
+    if (names.length) found.push({ node, names, shown });
   }
   return found;
 }
@@ -81,9 +86,9 @@ class ColorPanel {
     });
   }
 
-  /** Looks for nodes when some have come or gone. */
+  /** Looks for nodes when masks have come or gone. */
   async _look() {
-    const nodes = (this.app.graph ? this.app.graph.nodes : []).map((one) => one.name).join(" ");
+    const nodes = withMasks(this.app).join(" ");
     if (nodes === this.looked) return;
     this.looked = nodes;
     let found = [];
