@@ -86,7 +86,9 @@ def test_a_local_dashboard_has_local_names_only(address):
     assert not made.host_allowed(Request(Host="192.168.0.7", reached="192.168.0.7"))
 
 
-@pytest.mark.parametrize("address", ["127.0.0.2", "0:0:0:0:0:0:0:1", "127.0.0.1"])
+@pytest.mark.parametrize(
+    "address", ["127.0.0.2", "0:0:0:0:0:0:0:1", "127.0.0.1", "192.168.0.7", "robot-wifi"]
+)
 def test_the_address_that_is_printed_is_let_in(address):
     made = access(address=address)
     host = made.url(address).split("/")[2]

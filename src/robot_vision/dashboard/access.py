@@ -12,6 +12,7 @@ from ..common.plain_text import brief
 
 ROLES = ("control", "view")
 LOOPBACK_NAMES = ("localhost", "127.0.0.1", "::1")
+ALL_ADDRESSES = {"0.0.0.0", "::"}  # of the machine, to listen on
 RANDOM_BYTES = 16  # of a token that is made
 COOKIES = "robot_vision_dashboard_"  # what the names of the cookies of all dashboards begin with
 TOKEN = re.compile(r"[A-Za-z0-9._~-]{8,128}")
@@ -62,10 +63,9 @@ class Access:
             raise ValueError("token and view_token are the same, must be different ones")
         if not self.token and self.view_token:
             raise ValueError("view_token is set, but token is none: all pages may control")
-        self._hosts: Set[str] = set(LOOPBACK_NAMES)
-        if self.local:
-            self._hosts.add(_canonical(address.lower()))  # which may be another one of 127.0.0.0/8
-        else:
+        # The address may be another one of 127.0.0.0/8, or the name of one of several interfaces.
+        self._hosts: Set[str] = {*LOOPBACK_NAMES, _canonical(address.lower())} - ALL_ADDRESSES
+        if not self.local:
             self._hosts.update(machine_names(), {self.name.lower()})
         self._origins: Set[str] = set()
         for host in hosts:
@@ -100,7 +100,7 @@ class Access:
         return self._url(address, f"?code={self._code}")
 
     def _url(self, address: str, query: str) -> str:
-        host = self.name if address in ("0.0.0.0", "::") else address
+        host = self.name if address in ALL_ADDRESSES else address
         return f"http://{f'[{host}]' if ':' in host else host}:{self.port}/{query}"
 
     def role_of_code(self, code: bytes) -> str:
