@@ -22,7 +22,7 @@ from std_msgs.msg import (
 
 from robot_vision.dashboard import message_json
 from robot_vision.dashboard.message_json import stamp_of, to_plain
-from robot_vision.msg import Contour, ContourArray, Detection, DetectionArray
+from robot_vision.msg import Contour, ContourArray, Detection, DetectionArray, Histogram
 
 
 def received(message):
@@ -72,6 +72,11 @@ def test_arrays_are_cut_and_say_their_length():
     assert made["ranges"] == [float(index) for index in range(message_json.MAX_ITEMS)]
     assert made["intensities"] == [1.0]
     assert made["_cut"] == {"ranges": 10000}
+
+
+def test_the_largest_histogram_of_a_node_is_told_whole():
+    counts = list(range(3 * 1024))
+    assert plain(Histogram(bins=1024, counts=counts))["counts"] == counts
 
 
 def test_arrays_of_messages_are_cut_in_sum():

@@ -22,7 +22,7 @@ from typing import Any, Callable, Dict, List, Tuple, Type
 import genpy
 import roslib.message
 
-MAX_ITEMS = 2000
+MAX_ITEMS = 3072  # three channels of a histogram with 1024 bins
 MAX_OBJECTS = 5000
 MAX_VALUES = 50000
 MAX_BYTES = 4096
