@@ -383,12 +383,30 @@ GRAPH = [
     (f"shownTopics({WATCHED}, false, '/other').length", 1),
     (f"shownTopics({WATCHED}, true, '/me').length", 1),
 ]
+# Images that came to a dashboard whose clock shows 9000 s, and were drawn so long ago, ms.
 TILE = (
-    "problemOf({view: {drawn: true, isOpen: true, times: [performance.now()]}, image: '/i',"
-    " error: 'why', failedAt: performance.now() - %d, app: {connection: {state: 'open'}},"
-    " tiles: {isPublished: () => true}})"
+    "problemOf({view: {drawn: {header: {received: %d}}, isOpen: true,"
+    " times: [%s].map((ago) => performance.now() - ago)}, image: '/i', error: '%s', openedAt: -1e6,"
+    " failedAt: performance.now() - %d, tiles: {isPublished: () => true},"
+    " app: {connection: {state: 'open', serverTime: () => 9000}}})"
 )
-PROBLEMS = [(TILE % 0, "why"), (TILE % 60000, "")]  # images are drawn again in the latter
+PROBLEMS = [
+    (TILE % (9000, "0", "why", 0), "why"),
+    (TILE % (9000, "0", "why", 60000), ""),  # images are drawn again
+    (TILE % (9000, "0", "", 0), ""),
+    (TILE % (1800, "4000", "", 0), "No image for 7200 s."),  # the only one, of long ago
+    (TILE % (1800, "30, 0", "", 0), ""),  # they come, whatever the clocks show
+    (TILE % (9000, "9000, 7000", "", 0), "No image for 7 s."),
+]
+# How many images were drawn of those that the dashboard had at these times.
+DRAWN = (
+    "ImageView && (() => { const app = {connection: {serverTime: () => 9},"
+    " statistics: {add() {}}}; const view = {times: [], feeds: [], app};"
+    " for (const received of %s)"
+    " m.ImageView.prototype.count.call(view, {header: {received}}, 0);"
+    " return view.times.length; })()"
+)
+IMAGES = [(DRAWN % "[5, 6]", 2), (DRAWN % "[5, 5]", 1)]  # the same in another size is none
 PUSHED = (
     "Connection.prototype.pushed.call({channels: new Map([[3, {onError: (text) => told = text}]])},"
     " 'channel_error', {channel: %d, text: 'why %d'}) || told"
@@ -417,6 +435,7 @@ CHANNELS = [  # a message that the node could not read is none, and acknowledged
     (RECEIVED % "{_type: 'a/B'}", ["data", "ack", 5]),
 ]
 PARTS = {
+    "image_view": IMAGES,
     "channels": CHANNELS,
     "tile_problem": PROBLEMS,
     "connection": ERRORS + PINGS,

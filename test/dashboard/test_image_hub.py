@@ -226,6 +226,7 @@ def test_who_comes_later_gets_the_newest_image_of_a_still_topic(hub, ros):
     hub.view("/eye", Wish(width=10), other_size, passed=False)
     assert abs(int(late.wait(1)[0, 0, 0]) - 77) < 3
     assert other_size.wait(1).shape == (8, 10, 3)
+    assert other_size.pictures[0].received == late.pictures[0].received  # it is as old for all
 
 
 def test_while_one_is_encoded_newer_ones_replace_each_other(hub, ros, monkeypatch):

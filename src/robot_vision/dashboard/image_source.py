@@ -3,7 +3,7 @@
 import contextlib
 import threading
 import time
-from typing import Any, Callable, List, Optional
+from typing import Any, Callable, List, Optional, Tuple
 
 import rospy
 
@@ -14,7 +14,7 @@ from .image_topics import ImageTopics, Route
 from .message_topics import RawMessage, RawTopic, SharedTopics
 from .pictures import Picture
 
-OnFrame = Callable[[Frame], Any]
+OnFrame = Callable[[Frame, float], Any]  # with the s of the wall clock when it came
 
 
 class _SharedFrames:
@@ -23,7 +23,7 @@ class _SharedFrames:
     def __init__(self, make: Callable[..., Any], topic: str, transport: str):
         self._lock = threading.Lock()  # guards the two below
         self._callbacks: List[OnFrame] = []
-        self._newest: Optional[Frame] = None
+        self._newest: Optional[Tuple[Frame, float]] = None
         self._subscriber = make(topic, self._take, transport=transport)
 
     def close(self) -> None:
@@ -35,7 +35,7 @@ class _SharedFrames:
             newest = self._newest
         if newest is not None:
             with contextlib.suppress(FrameError):  # The next one may be better.
-                callback(newest)
+                callback(*newest)
 
     def remove(self, callback: OnFrame) -> None:
         with self._lock:
@@ -43,10 +43,10 @@ class _SharedFrames:
 
     def _take(self, frame: Frame) -> None:
         with self._lock:
-            self._newest = frame
+            self._newest = newest = frame, time.time()
             callbacks = list(self._callbacks)
         for callback in callbacks:
-            callback(frame)
+            callback(*newest)
 
 
 class RosSubscriptions:
@@ -137,11 +137,11 @@ class ImageSource:
             return self._subscriptions.frames(route.topic, route.transport, self._take_frame)
         return self._subscriptions.raw(route.topic, self._take_raw)
 
-    def _take_frame(self, frame: Frame) -> None:
+    def _take_frame(self, frame: Frame, received: float) -> None:
         if frame.image.size == 0:
             raise FrameError("it has no pixels")
         height, width = frame.image.shape[:2]
-        self._receive(Picture(frame.time, time.time(), width, height, frame))
+        self._receive(Picture(frame.time, received, width, height, frame))
 
     def _take_raw(self, raw: RawMessage) -> None:
         try:

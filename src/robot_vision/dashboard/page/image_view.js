@@ -40,6 +40,7 @@ export class ImageView {
     this.shown = []; // the messages that are drawn
     this.isDirty = true;
     this.times = []; // ms, when the last frames were drawn
+    this.received = 0; // s, the server's clock when it had the last one
     this.latency = 0; // ms, of the last ones, since the server had them
     this.timer = 0;
     new ResizeObserver(() => this.resized()).observe(this.element);
@@ -187,6 +188,8 @@ export class ImageView {
   }
 
   count({ header }, now) {
+    if (this.times.length && header.received === this.received) return; // the same in another size
+    this.received = header.received;
     const time = this.app.connection.serverTime();
     const received = (time - header.received) * 1000;
     const stamp = (time - header.stamp) * 1000;
