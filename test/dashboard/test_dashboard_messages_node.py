@@ -42,6 +42,14 @@ def test_messages_come_as_json_with_their_time(page, publish):
     assert got["data"]["detections"][0]["score"] is None
 
 
+def test_what_has_no_stamp_has_the_time_of_ros_when_it_came(page, publish, monkeypatch):
+    monkeypatch.setattr(rospy, "get_time", lambda: 12.25)  # which may be simulated
+    publish("/text", String("x"))
+    page.request("messages", channel=1, topic="/text")
+    got = page.wait_for_message(1)
+    assert got["stamp"] == 12.25 and got["received"] > 1e9
+
+
 def test_large_arrays_are_cut(page, publish):
     found = [Detection(label=str(index)) for index in range(10000)]
     publish("/many", DetectionArray(detections=found))

@@ -303,11 +303,11 @@ def test_size_and_encoding_may_change_while_somebody_looks(hub, ros):
         assert viewer.wait(count).shape == shape
 
 
-def compressed(data, form=b"bgr8; jpeg compressed bgr8", secs=7, kind=COMPRESSED):
-    message = struct.pack("<III", 1, secs, 500000000)
+def compressed(data, form=b"bgr8; jpeg compressed bgr8", stamp=(7, 500000000), kind=COMPRESSED):
+    message = struct.pack("<III", 1, *stamp)
     for field in (b"eye", form, data):
         message += struct.pack("<I", len(field)) + field
-    return RawMessage(kind, "", message, 1000.0, "/camera")
+    return RawMessage(kind, "", message, 1000.0, "/camera", ros_time=2.5)
 
 
 def test_a_jpeg_goes_on_as_it_came_to_all_viewers_whatever_their_size(hub, ros):
@@ -326,9 +326,9 @@ def test_a_jpeg_goes_on_as_it_came_to_all_viewers_whatever_their_size(hub, ros):
 def test_a_png_goes_on_as_png(hub, ros):
     viewer = Viewer()
     hub.view("/jpeg", Wish(), viewer)
-    ros.bytes["/jpeg"](compressed(PNG_DATA, b"png", secs=0))
+    ros.bytes["/jpeg"](compressed(PNG_DATA, b"png", stamp=(0, 0)))
     assert (viewer.data, viewer.kinds) == ([PNG_DATA], [PNG])
-    assert viewer.pictures[0].stamp == 0.5
+    assert viewer.pictures[0].stamp == 2.5  # of ROS' clock when it came, as it has none
 
 
 @pytest.mark.parametrize(

@@ -33,7 +33,7 @@ def picture_of(raw: Any) -> Picture:
     if DEPTHS in form:
         raise ValueError("what is compressed by compressedDepth cannot be shown")
     name, width, height = compressed_info(data)
-    return Picture(stamp or raw.received, raw.received, width, height, None, KINDS[name], data)
+    return Picture(stamp or raw.ros_time, raw.received, width, height, None, KINDS[name], data)
 
 
 def _fields(message: bytes) -> Tuple[float, str, bytes]:

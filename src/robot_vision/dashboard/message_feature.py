@@ -162,7 +162,7 @@ class MessageTopic:
                 data, stamp = {"_error": error_text(error)}, 0.0
             data["_type"] = message.type
             for taker in takers:
-                taker.channel.send_message(data, stamp or message.received, message.received)
+                taker.channel.send_message(data, stamp or message.ros_time, message.received)
 
     def _next(self) -> Tuple[List[_Taker], Optional[RawMessage]]:
         """Waits until a message can be sent; returns it and whom to, or None at the end."""

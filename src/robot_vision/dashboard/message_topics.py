@@ -34,6 +34,7 @@ class RawMessage(NamedTuple):
     publisher: str  # the name of the node
     message: Any = None  # the same if others in this process have it decoded, else None
     latched: bool = False  # whether who comes later is to get it, too
+    ros_time: float = 0.0  # s of ROS' clock, when it came
 
     def decoded(self) -> Any:
         """Returns the message.
@@ -123,6 +124,7 @@ class RawTopic:
                     str(header.get("callerid", "")),
                     None if raw else message,
                     header.get("latching") == "1",
+                    rospy.get_time(),
                 )
             )
         except ValueError as error:

@@ -109,7 +109,7 @@ class _Viewer:
             raise ValueError(f"the topic is of {printable(raw.type)}, must be of {CLOUD}")
         cloud = raw.decoded()
         points = points_of(cloud, self._max_points)
-        stamp = cloud.header.stamp.to_sec() or raw.received
+        stamp = cloud.header.stamp.to_sec() or raw.ros_time
         count = len(points.xyz)
         self._channel.send_binary(POINTS, stamp, raw.received, count, 1, points.payload())
         self._told = ""
