@@ -434,7 +434,23 @@ CHANNELS = [  # a message that the node could not read is none, and acknowledged
     (RECEIVED % "{_error: 'why', _type: 'a/B'}", ["why", "ack", 5]),
     (RECEIVED % "{_type: 'a/B'}", ["data", "ack", 5]),
 ]
+OFFERS = (
+    "offers(Object.entries(%s).map(([name, type]) => ({name, publishers: ['/a'],"
+    " type: `sensor_msgs/${type}`}))).first.map(({topic, note}) => [topic, note])"
+)
+FORMS = "{'%s': 'Image', '%s/compressed': 'CompressedImage', '%s/compressedDepth': '%s'}"
+BAGS = [  # JPEG loses depths, and nothing that is compressed takes a flow
+    (OFFERS % FORMS % (*["/a"] * 3, "CompressedImage"), [["/a/compressed", "JPEG"]]),
+    (
+        OFFERS % FORMS % (*["/depth"] * 3, "CompressedImage"),
+        [["/depth/compressedDepth", "compressedDepth"]],
+    ),
+    (OFFERS % FORMS % (*["/depth"] * 3, "String"), [["/depth", "raw"]]),
+    (OFFERS % FORMS % (*["/a/flow"] * 3, "CompressedImage"), [["/a/flow", "raw"]]),
+    (OFFERS % FORMS % (*["/a/flow_image"] * 3, "String"), [["/a/flow_image/compressed", "JPEG"]]),
+]
 PARTS = {
+    "bag_offers": BAGS,
     "image_view": IMAGES,
     "channels": CHANNELS,
     "tile_problem": PROBLEMS,

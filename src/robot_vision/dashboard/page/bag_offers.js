@@ -5,6 +5,7 @@ const MEMORY = "robot_vision/ShmImage"; // which a bag cannot hold
 const OF_TRANSPORTS =
   /\/(compressed|compressedDepth|theora|shm)(\/|$)|\/parameter_(updates|descriptions)$/;
 const FRAMES = ["/tf", "/tf_static"];
+const NOTES = { compressed: "JPEG", compressedDepth: "compressedDepth" };
 const UNITS = ["bytes", "kB", "MB", "GB", "TB"];
 
 /** @param {number} bytes */
@@ -64,20 +65,25 @@ function order({ topic }) {
   return OF_TRANSPORTS.test(topic) ? 1 : 0;
 }
 
+/** The transport that keeps what is in an image: JPEG loses depths, and nothing takes a flow. */
+function formOf(name) {
+  if (/(^|\/)flow$/.test(name)) return "";
+  return /depth|disparity/.test(name) ? "compressedDepth" : "compressed";
+}
+
 /**
  * @param {string} name
  * @param {Map<string, string>} published types by name
  * @returns {Offer}
  */
 function imageOffer(name, published) {
-  const forms = ["compressed", "compressedDepth"];
-  if (/depth/.test(name)) forms.reverse(); // JPEG loses depths
-  const form = forms.find((one) => published.get(`${name}/${one}`) === COMPRESSED);
+  const form = formOf(name);
+  const isThere = form && published.get(`${name}/${form}`) === COMPRESSED;
   const info = `${name.slice(0, name.lastIndexOf("/"))}/camera_info`;
   return {
-    topic: form ? `${name}/${form}` : name,
+    topic: isThere ? `${name}/${form}` : name,
     label: name,
-    note: form === "compressed" ? "JPEG" : form || "raw",
+    note: isThere ? NOTES[form] : "raw",
     beside: published.has(info) ? [info] : [],
   };
 }
