@@ -275,6 +275,19 @@ def test_a_panel_that_opens_before_the_connection_asks_once_it_is_there(page, pl
     assert page.value("window.keptNotices") == []
 
 
+def test_a_result_that_is_new_takes_the_place_of_the_one_before(page, play):
+    result = {"lines": ["first"], "error": 0.3, "unsure": False, "advice": "", "yaml": "x"}
+    settings = {"model": "plumb_bob"}
+    state = {"topic": EYE, "settings": settings, "views": 20, "corners": [], "solving": False}
+    state["result"] = result
+    played = play([], calibration=lambda *_: state, close_calibration=lambda *_: {})
+    open_tool(page, "calibration")
+    page.wait_for_text("first", '[data-test="calibration-lines"]')
+    result["lines"] = ["second"]
+    played.sessions[0].push("calibration", state)
+    page.wait_for_text("second", '[data-test="calibration-lines"]')
+
+
 ESCAPE = "\ue00c"
 FOLLOWER = '[data-test="tile"][data-node="/object_tracker"]'
 

@@ -15,7 +15,7 @@ class CalibrationPanel {
     this.controls = app.role === "control";
     this.state = { topic: "" };
     this.giving = false; // the result, to a camera
-    this.step = -1;
+    this.shown = ""; // the step, and what its parts were made of
     this.closed = false;
     const items = STEPS.map((name) => el("li", {}, name));
     this.steps = el("ol", { class: "steps" }, items);
@@ -40,7 +40,9 @@ class CalibrationPanel {
     this.state = state;
     if (!state.result) this.giving = false;
     const step = this.wantedStep();
-    if (step !== this.step) this.build(step);
+    const shown = JSON.stringify([step, state.topic, state.settings, state.result]);
+    if (shown !== this.shown) this.build(step);
+    this.shown = shown;
     this.views?.show(state);
     this.drawCorners();
   }
@@ -52,7 +54,6 @@ class CalibrationPanel {
   }
 
   build(step) {
-    this.step = step;
     [...this.steps.children].forEach((item, index) => {
       item.classList.toggle("done", index < step);
       if (index === step) item.setAttribute("aria-current", "step");
