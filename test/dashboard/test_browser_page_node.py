@@ -449,8 +449,17 @@ BAGS = [  # JPEG loses depths, and nothing that is compressed takes a flow
     (OFFERS % FORMS % (*["/a/flow"] * 3, "CompressedImage"), [["/a/flow", "raw"]]),
     (OFFERS % FORMS % (*["/a/flow_image"] * 3, "String"), [["/a/flow_image/compressed", "JPEG"]]),
 ]
+SCALES = [
+    ("shortNumber(2147483647)", "2147483647"),
+    ("shortNumber(0.1 + 0.2)", "0.3"),
+    ("shortNumber(null)", ""),
+    ("sameValue(1234567890, 1234567891)", False),
+    ("sameValue(0.1 + 0.2, 0.3)", True),
+    ("sameValue(3, 3.000000000001)", True),
+]
 PARTS = {
     "bag_offers": BAGS,
+    "parameter_scale": SCALES,
     "image_view": IMAGES,
     "channels": CHANNELS,
     "tile_problem": PROBLEMS,

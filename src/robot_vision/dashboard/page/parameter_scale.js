@@ -60,18 +60,22 @@ export function fromSlider(range, place) {
 
 /**
  * @param {number|null} value null: it is not finite, which JSON cannot say
- * @returns {string} as short as it is exact enough for people; "" for null
+ * @returns {string} as short as it is exact enough for people, integers with all their digits; ""
+ *   for null
  */
 export function shortNumber(value) {
-  return value === null ? "" : String(Number(value.toPrecision(9)));
+  if (value === null) return "";
+  return String(Number.isInteger(value) ? value : Number(value.toPrecision(9)));
 }
 
 /**
  * @param {any} a
  * @param {any} b
- * @returns {boolean} whether two values of a parameter are the same, but for the last digits
+ * @returns {boolean} whether two values of a parameter are the same, integers exactly, others but
+ *   for the last digits
  */
 export function sameValue(a, b) {
   if (typeof a !== "number" || typeof b !== "number") return a === b;
+  if (Number.isInteger(a) && Number.isInteger(b)) return a === b;
   return Math.abs(a - b) <= 1e-9 * Math.max(Math.abs(a), Math.abs(b));
 }
