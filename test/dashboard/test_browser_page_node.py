@@ -457,7 +457,19 @@ SCALES = [
     ("sameValue(0.1 + 0.2, 0.3)", True),
     ("sameValue(3, 3.000000000001)", True),
 ]
+# The frames in which points are drawn of a cloud that changes its frame, and what is closed then.
+CLOUD = (
+    "SceneTopics && (() => { const opened = []; told = [];"
+    " const channel = (op, _, onData) => (opened.push(onData), () => told.push(op));"
+    " const view = {setPoints: (_, frame) => told.push(frame), remove() {}};"
+    " const topics = new m.SceneTopics({connection: {channel}}, view);"
+    " topics.show({name: '/cloud', type: m.POINTS});"
+    " for (const frame_id of ['a', '/b'])"
+    " { opened[0]({header: {frame_id}}); opened[1]({payload: 1}); }"
+    " topics.hide('/cloud'); return told; })()"
+)
 PARTS = {
+    "scene_topics": [(CLOUD, ["a", "b", "messages", "points"])],
     "bag_offers": BAGS,
     "parameter_scale": SCALES,
     "image_view": IMAGES,

@@ -28,7 +28,7 @@ class Anything(Field):
 
 FIELDS = (
     "node name values topic topics channel space low high x y width quality level rate region "
-    "label pictures index max_megabytes max_seconds"
+    "label pictures index max_megabytes max_seconds root max_points"
 )  # of all requests
 
 
@@ -286,6 +286,35 @@ def test_a_result_that_is_new_takes_the_place_of_the_one_before(page, play):
     result["lines"] = ["second"]
     played.sessions[0].push("calibration", state)
     page.wait_for_text("second", '[data-test="calibration-lines"]')
+
+
+def test_what_came_once_comes_back_into_space_after_a_lost_context(page, play):
+    pose = {"position": {"x": 0, "y": 0, "z": 1}, "orientation": {"x": 0, "y": 0, "z": 0, "w": 1}}
+
+    def tell(session, fields):
+        message = {"header": {"frame_id": "map"}, "pose": pose}
+        session.channel(fields["channel"]).send_message(message, 1.0, 1.0)
+        return {}
+
+    def frames(session, fields):
+        told = {"root": "map", "roots": ["map"], "frames": []}
+        session.channel(fields["channel"]).send_message(told, 1.0, 1.0)
+        return {}
+
+    played = play([], messages=tell, frames=frames)
+    played.graph["topics"].append(topic("/goal", type="geometry_msgs/PoseStamped"))
+    played.sessions[0].push("graph", played.graph)
+    open_tool(page, "scene3d")
+    if page.count('[data-test="no-webgl"]'):
+        pytest.skip("this chromium draws no WebGL")
+    support.wait_for(lambda: played.count("messages") == 1, "the first request")
+    page.run(
+        "const scene = document.querySelector('[data-test=scene]');"
+        "const lose = scene.getContext('webgl').getExtension('WEBGL_lose_context');"
+        "scene.addEventListener('webglcontextlost', () => setTimeout(() => lose.restoreContext()));"
+        "lose.loseContext();"
+    )
+    support.wait_for(lambda: played.count("messages") == 2, "the request after the loss")
 
 
 ESCAPE = "\ue00c"

@@ -18,6 +18,7 @@ class ScenePanel {
     this.off = new Set(app.storage.get("scene.off", []));
     this.on = new Set(app.storage.get("scene.on", []));
     this.view.imageOf = (beside) => this.imageBeside(beside);
+    this.view.onRestored = () => this.renew();
     this.build(element);
     this.offs = [app.on("graph", () => this.showTopics())];
     this.openFrames(app.storage.get("scene.root", ""));
@@ -135,6 +136,15 @@ class ScenePanel {
     this.app.storage.set("scene.off", [...this.off].slice(-KEPT));
     if (on) this.streams.show(topic);
     else this.streams.hide(topic.name);
+  }
+
+  /** Asks anew for all that is shown: what is published once would not come again. */
+  renew() {
+    for (const topic of this.topics) {
+      if (!this.streams.open.has(topic.name)) continue;
+      this.streams.hide(topic.name);
+      this.streams.show(topic);
+    }
   }
 
   tell() {

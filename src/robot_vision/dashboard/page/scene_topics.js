@@ -40,23 +40,21 @@ export class SceneTopics {
     return this.channel("messages", { topic, rate: RATE }, onMessage);
   }
 
-  /** A cloud; its first message is asked for its frame, which the points do not say. */
+  /** A cloud; now and then a message is asked for its frame, which the points do not say. */
   openPoints(topic) {
-    const points = () =>
-      this.channel("points", { topic, max_points: MAX_POINTS }, (data) => {
-        this.errors.delete(topic);
-        if (data.payload) this.view.setPoints(topic, this.frames.get(topic), data);
-      });
-    let close = this.channel("messages", { topic, rate: FRAME_RATE }, ({ header }) => {
-      if (this.frames.has(topic)) return;
+    let closePoints = null;
+    const onPoints = (data) => {
+      this.errors.delete(topic);
+      if (data.payload) this.view.setPoints(topic, this.frames.get(topic), data);
+    };
+    const closeFrame = this.channel("messages", { topic, rate: FRAME_RATE }, ({ header }) => {
       this.frames.set(topic, header.frame_id.replace(/^\//, ""));
-      setTimeout(() => {
-        if (!this.open.has(topic)) return;
-        close();
-        close = points();
-      });
+      closePoints ??= this.channel("points", { topic, max_points: MAX_POINTS }, onPoints);
     });
-    return () => close();
+    return () => {
+      closeFrame();
+      closePoints?.();
+    };
   }
 
   channel(op, fields, onData) {

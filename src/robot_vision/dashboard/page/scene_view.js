@@ -37,6 +37,7 @@ export class SceneView {
     this.timer = 0;
     this.fitUntil = performance.now() + FIT_TIME;
     this.imageOf = (_beside) => null;
+    this.onRestored = () => {}; // what had come is lost
     this.orbit = new Orbit(this.canvas, () => requestPaint(this));
     this.observer = new ResizeObserver(() => requestPaint(this));
     this.observer.observe(this.element);
@@ -52,8 +53,10 @@ export class SceneView {
     this.canvas.addEventListener("webglcontextrestored", () => {
       this.isLost = false;
       this.renderer = new Renderer(this.canvas);
-      this.things.clear(); // Their next messages bring them back.
+      this.things.clear();
       this.setGrid();
+      if (this.lastFrames) this.setFrames(this.lastFrames);
+      this.onRestored();
     });
     this.setGrid();
   }
