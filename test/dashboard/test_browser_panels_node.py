@@ -288,6 +288,34 @@ def test_a_result_that_is_new_takes_the_place_of_the_one_before(page, play):
     page.wait_for_text("second", '[data-test="calibration-lines"]')
 
 
+def test_the_details_of_a_topic_are_those_of_now(page, play):
+    played = play([node("/eye", publishes=[EYE])], rate=lambda *_: {"rate": 5.0, "bandwidth": 1e3})
+    played.graph["topics"][0]["subscribers"] = ["/ear"]
+    details = '[data-test="graph-details"]'
+    chosen = "document.querySelector(`[data-id='t${arguments[0]}']`)"
+
+    def push():
+        played.sessions[0].push("graph", played.graph)
+
+    push()
+    open_tool(page, "graph")
+    page.wait(f"Boolean({chosen})", EYE)
+    page.run(f"{chosen}.dispatchEvent(new MouseEvent('click', {{bubbles: true}}));", EYE)
+    page.wait_for_text("/ear", details)
+    page.run(
+        "[...document.querySelectorAll('[data-test=graph-details] button')]"
+        ".find((one) => one.textContent === 'Measure the rate').click();"
+    )
+    page.wait_for_text("5.0 Hz", details)
+    played.graph["topics"][0]["subscribers"] = ["/nose"]
+    push()
+    page.wait_for_text("/nose", details)
+    assert "5.0 Hz" in page.value(f"document.querySelector('{details}').innerText")
+    played.graph["topics"] = []
+    push()
+    page.wait_for_text("It has gone.", details)
+
+
 def test_what_came_once_comes_back_into_space_after_a_lost_context(page, play):
     pose = {"position": {"x": 0, "y": 0, "z": 1}, "orientation": {"x": 0, "y": 0, "z": 0, "w": 1}}
 

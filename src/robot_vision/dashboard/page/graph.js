@@ -61,7 +61,7 @@ class GraphPanel {
     const key = JSON.stringify([topics, nodes.map(({ name, status }) => [name, status?.level])]);
     if (key !== this.drawn) this.draw();
     this.drawn = key;
-    if (this.chosen[0] === "n") this.showDetails();
+    if (this.chosen) this.showDetails();
   }
 
   topics() {

@@ -20,7 +20,9 @@ export class GraphDetails {
     this.app = app;
     this.rates = rates;
     this.choose = choose;
+    this.chosen = "";
     this.shown = "";
+    this.row = null; // of the topic that is chosen: what is measured stays while the graph changes
     this.element = el("div", {
       class: "graph-details stack",
       hidden: true,
@@ -30,6 +32,8 @@ export class GraphDetails {
 
   /** @param {string} chosen "n" or "t", and the name; "" for nothing */
   show(chosen) {
+    if (chosen !== this.chosen) this.row = null;
+    this.chosen = chosen;
     this.element.hidden = !chosen;
     if (!chosen) return;
     const isNode = chosen[0] === "n";
@@ -38,7 +42,8 @@ export class GraphDetails {
     const found = (isNode ? nodes : topics).find((one) => one.name === name);
     const gone = () => [el("p", { class: "dim" }, "It has gone.")];
     const parts = found ? (isNode ? this.node(found) : this.topic(found)) : gone();
-    const text = [chosen, ...parts.map((part) => part.textContent)].join("\n");
+    const told = parts.filter((part) => part !== this.row).map((part) => part.textContent);
+    const text = [chosen, ...told].join("\n");
     if (text === this.shown) return; // what is the same stays, and with it the focus
     this.shown = text;
     this.element.replaceChildren(el("h2", { class: "mono" }, name), ...parts);
@@ -68,6 +73,17 @@ export class GraphDetails {
   }
 
   topic({ name, type, image, publishers, subscribers }) {
+    this.row ??= this.topicRow(name, image);
+    return [
+      el("div", { class: "mono dim" }, type),
+      this.row,
+      this.names("Published by", publishers, "n"),
+      this.names("Subscribed by", subscribers, "n"),
+    ].filter(Boolean);
+  }
+
+  /** What can be done with a topic. */
+  topicRow(name, image) {
     const rate = el("span", { class: "dim" }, this.rates.get(name));
     const measure = async (event) => {
       event.target.disabled = true;
@@ -78,11 +94,6 @@ export class GraphDetails {
     const row = el("div", { class: "row" }, textButton("Measure the rate", measure, SMALL));
     if (image) row.append(textButton("Show the image", () => this.app.tiles.addTopic(name), SMALL));
     row.append(rate);
-    return [
-      el("div", { class: "mono dim" }, type),
-      row,
-      this.names("Published by", publishers, "n"),
-      this.names("Subscribed by", subscribers, "n"),
-    ].filter(Boolean);
+    return row;
   }
 }
