@@ -145,7 +145,10 @@ TEST_F(LiveFramesTest, areTheNewestForAReaderThatIsTooSlow)
   for (int round = 0; round < 3; ++round)
   {
     const int retrieved = retrieved_;
-    send(9);
+    between_ = 5 * kMs;  // since the reader took the last one, and so 10 ms since that came
+    send(1);
+    between_ = 10 * kMs;
+    send(8);
     now_ += 5 * kMs;
     EXPECT_EQ(retrieved_, retrieved + 1);  // no image is made of what is left out
     ASSERT_TRUE(frames_->take(frame_));
@@ -177,7 +180,7 @@ TEST_F(LiveFramesTest, ofABurstAreTheFirstAndTheNewest)
     between_ = kMs;
     send(3);
     const cv::Mat lent = frame_.image;
-    now_ += 9 * kMs;
+    now_ += 40 * kMs;
     ASSERT_TRUE(frames_->take(frame_));
     EXPECT_EQ(frame_.sequence, 4 * burst + 3);
     EXPECT_EQ(frame_.monotonic_ns, grabbed_ns_);
@@ -206,6 +209,17 @@ TEST_F(LiveFramesTest, thatAreDamagedAreToldWhenTheReaderAsksForTheNext)
   send(1);
   EXPECT_EQ(refusal<std::invalid_argument>([this] { frames_->take(frame_); }), "a frame cannot be decoded");
   ASSERT_TRUE(take(11));
+  EXPECT_EQ(frame_.sequence, 1);
+}
+
+TEST_F(LiveFramesTest, thatAreDamagedLeaveTheOneBefore)
+{
+  ASSERT_TRUE(take(10));
+  send(1);
+  fail();
+  send(1);
+  EXPECT_EQ(refusal<std::invalid_argument>([this] { frames_->take(frame_); }), "a frame cannot be decoded");
+  ASSERT_TRUE(frames_->take(frame_));
   EXPECT_EQ(frame_.sequence, 1);
 }
 

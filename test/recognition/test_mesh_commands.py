@@ -377,7 +377,9 @@ def observe(path, name, depth):
         database.observations.add(Observation(session.id, 5, *images, MATRIX, POSE))
 
 
-@pytest.mark.parametrize("text, count", [("x:2,y:2", 3), ("z:4,x:2", 7), ("x:4,y:4,z:4", 23)])
+@pytest.mark.parametrize(
+    "text, count", [("x:2,y:2", 3), ("z:4,x:2", 7), ("x:4,y:4,z:4", 23), ("z:24,x:2", 47)]
+)
 def test_a_data_set_has_all_turns_that_look_the_same(text, count):
     middle = np.array([0.02, -0.03, 0.01])
     known = parse_symmetries(text)
@@ -667,8 +669,18 @@ def test_what_cannot_be_taken_replaces_nothing(run, path, box_file, tmp_path):
     for name, code in (("coke", 0), ("", 1)):
         file.write_text(json.dumps(couch(box_file, object_name=name)))
         assert run(object_import, file, "--replace", "--commit")[0] == code
+    values = couch(box_file, object_name="other")
+    (attached,) = (
+        row["doc"]["_attachments"] for row in values["rows"] if "_attachments" in row["doc"]
+    )
+    for content in attached.values():
+        content["data"] = "AAAA"
+    file.write_text(json.dumps(values))
+    code, _, err = run(object_import, file, "--replace", "--commit")
+    assert code == 1 and "is left out, the object stays as it is: original.obj" in err
     with Database(path) as database:
-        assert [one.name for one in database.objects.all()] == ["coke"]
+        (one,) = database.objects.all()
+        assert one.name == "coke" and database.meshes.entry(one.id) is not None
 
 
 def test_a_folder_is_tried_before_it_is_imported(run, path, box_file, tmp_path):

@@ -267,6 +267,33 @@ def test_a_long_training_goes_on_while_another_program_writes(run, path, method,
     assert model(path, "coke") is not None
 
 
+def test_a_model_waits_until_another_program_has_written(run, path, method, monkeypatch):
+    add(path, "coke", b"can")
+    monkeypatch.setattr(training_run, "SAVE_PERIOD", 0.0)
+    monkeypatch.setattr(connection, "TIMEOUT", 0.0)
+    store, tell = training_run._store, training_run.TrainingProgress.tell
+    other = sqlite3.connect(path, isolation_level=None)
+
+    def store_and_write(database, key, trainer):
+        store(database, key, trainer)
+        if trainer.done == trainer.total:
+            other.execute("BEGIN IMMEDIATE")
+
+    def tell_and_end(progress, text):
+        tell(progress, text)
+        if "not stored yet" in text:
+            other.execute("ROLLBACK")
+
+    monkeypatch.setattr(training_run, "_store", store_and_write)
+    monkeypatch.setattr(training_run.TrainingProgress, "tell", tell_and_end)
+    with contextlib.closing(other):
+        code, out, err = run()
+    assert (code, err) == (0, "")
+    said = f"coke: LINEMOD: the model is not stored yet: {path} is being written by another"
+    assert out.count(said) == 1 and out.endswith("coke: LINEMOD: 20 views learned\n")
+    assert model(path, "coke") is not None
+
+
 def test_objects_without_a_mesh(run, path, method):
     one = add(path, "bare")
     code, _, err = run()

@@ -144,7 +144,8 @@ public:
 
   /// The contours of an image, which is not modified, and how far each is from `point` (px). Throws
   /// std::invalid_argument if `image` is not of `encoding` (see encoding.hpp), and with modes ccomp and tree, whose
-  /// search would take many seconds then, if its black and white changes more than a million times along its rows.
+  /// search would take many seconds then, if its black and white changes more than a million times along its rows, and
+  /// at more than each fourth pixel.
   ContourResult apply(const cv::Mat& image, const std::string& encoding,
                       const std::optional<cv::Point2d>& point = std::nullopt);
 

@@ -107,7 +107,7 @@ struct HoughResult
 /// In an image full of noise cv::HoughCircles takes many seconds. With HOUGH_GRADIENT it is not called for edges that,
 /// spread at random over the image, would give each centre three quarters of accumulator_threshold, and with
 /// HOUGH_GRADIENT_ALT not for so many that their distances to all centres that min_distance and dp allow are more than
-/// 1.5 billion.
+/// 6 billion.
 class HoughTransform
 {
 public:

@@ -1,5 +1,6 @@
 #include "live_frames.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -82,15 +83,11 @@ void LiveFrames::readAll()
   }
 }
 
-/// Follows the period of the stream, over some frames: they may come in bursts.
 void LiveFrames::follow(std::int64_t arrival)
 {
-  constexpr std::int64_t kFrames = 8;
-  if (arrival_)
-  {
-    const std::int64_t between = arrival - *arrival_;
-    period_ = period_ ? *period_ + (between - *period_) / kFrames : between;
-  }
+  constexpr std::size_t kGaps = 16;  // some bursts have fewer
+  if (arrival_) gaps_.push_back(arrival - *arrival_);
+  if (gaps_.size() > kGaps) gaps_.pop_front();
   arrival_ = arrival;
 }
 
@@ -104,17 +101,19 @@ void LiveFrames::give(std::int64_t arrival)
 
 void LiveFrames::keep(std::int64_t arrival)
 {
-  kept_.emplace();
-  const std::string damage = makeImage(*kept_, arrival);
-  if (damage.empty()) return;
-  kept_.reset();
-  kept_damage_ = damage;
+  Frame frame;
+  const std::string damage = makeImage(frame, arrival);
+  if (damage.empty())
+    kept_ = frame;
+  else
+    kept_damage_ = damage;
 }
 
-/// Whether the reader may be back before the next frame comes, if it works as long as before.
+/// Whether the reader may be back before the next frame comes, if it works as long as before. Frames may come in
+/// bursts, and this one be the last before a pause.
 bool LiveFrames::mayBeWanted(std::int64_t arrival) const
 {
-  return !period_ || arrival + *period_ >= begin_ + work_;
+  return gaps_.empty() || arrival + *std::max_element(gaps_.begin(), gaps_.end()) >= begin_ + work_;
 }
 
 /// Makes the image of the frame that was grabbed last. Returns what is damaged, or nothing.

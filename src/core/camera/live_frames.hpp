@@ -2,6 +2,7 @@
 
 #include <condition_variable>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <mutex>
 #include <opencv2/core.hpp>
@@ -60,7 +61,7 @@ private:
   std::int64_t sequence_ = 0;            // of the next frame
   std::int64_t begin_ = 0, work_ = 0;    // ns, when the reader has begun to work, and for how long it did before
   std::optional<std::int64_t> arrival_;  // ns, of the last frame
-  std::optional<std::int64_t> period_;   // ns, mean time between the last frames
+  std::deque<std::int64_t> gaps_;        // ns, between the last frames
   bool ended_ = false;
   bool stop_ = false;
   std::mutex mutex_;  // guards all above but the functions

@@ -20,6 +20,7 @@ namespace
 using Outline = std::vector<cv::Point>;
 
 constexpr double kMaxChanges = 1e6;  // along the rows of a mask: some seconds, which grow with the square
+constexpr double kSparse = 4.0;      // pixels for each of them; noise has two, the edges of a photograph eight
 
 const std::map<std::string, int> kModes = {
     {"external", cv::RETR_EXTERNAL}, {"list", cv::RETR_LIST}, {"ccomp", cv::RETR_CCOMP}, {"tree", cv::RETR_TREE}};
@@ -39,9 +40,10 @@ void requireTime(const cv::Mat& mask, const ContourParams& params)
   cv::Mat changes;
   cv::bitwise_xor(mask.colRange(1, mask.cols), mask.colRange(0, mask.cols - 1), changes);
   const int count = cv::countNonZero(changes);
-  require(count <= kMaxChanges, "mode", params.mode,
+  const double most = std::max(kMaxChanges, static_cast<double>(mask.total()) / kSparse);
+  require(count <= most, "mode", params.mode,
           "list or external, or blur_size larger: the mask of " + toText(mask.size()) + " changes " +
-              std::to_string(count) + " times along its rows, more than " + toText(kMaxChanges));
+              std::to_string(count) + " times along its rows, more than " + toText(most));
 }
 
 /// Of a mask of white things, which are 255.

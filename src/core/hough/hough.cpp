@@ -22,7 +22,7 @@ constexpr int kGradientAlt = cv::HOUGH_GRADIENT;
 #endif
 
 constexpr double kMaxVotesByChance = 0.75;  // of accumulator_threshold
-constexpr double kMaxDistances = 1.5e9;     // by gradient_alt from edges to centres in an image, up to 3 ns each
+constexpr double kMaxDistances = 6e9;       // by gradient_alt from edges to centres in an image, up to 1 ns each
 
 bool isAlternative(const HoughParams& params)
 {

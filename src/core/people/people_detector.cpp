@@ -19,7 +19,7 @@ namespace
 constexpr double kMinWindows = 1.5;  // that an image is shrunk to, along either side: a window alone fits nobody well
 constexpr int kBlockStride = 8;      // px, of the models
 constexpr int kCell = 4;             // px, that a stride is a multiple of
-constexpr double kMaxSteps = 6e7;    // of detectMultiScale for an image, up to 100 ns each
+constexpr double kMaxSteps = 1.2e8;  // of detectMultiScale for an image, some 40 ns each
 
 cv::HOGDescriptor makeDescriptor(const PeopleParams& params)
 {

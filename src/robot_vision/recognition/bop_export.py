@@ -12,6 +12,7 @@ import numpy as np
 
 from .. import Mesh, mesh_extent
 from ..common import opencv as cv2
+from ..common.errors import about
 from ..meshes.mesh_files import ply_of
 from .database import Database, Object, Observation
 from .database.folder_files import new_folder, write_data, write_json
@@ -43,7 +44,8 @@ def export_bop(database: Database, objects: Sequence[Object], folder: str) -> Li
             number = len(names) + 1
             mesh = unpack_mesh(database.meshes.converted(one.id))
             _write_model(mesh, os.path.join(made, "models"), number)
-            infos[str(number)] = _info(mesh, entry.symmetries)
+            with about(one.name):
+                infos[str(number)] = _info(mesh, entry.symmetries)
             names[str(number)] = {"id": one.id, "name": one.name, "description": one.description}
             _write_scene(database, one.id, os.path.join(made, SPLIT, f"{number:06d}"), number)
         write_json(infos, made, "models", MODELS_INFO)

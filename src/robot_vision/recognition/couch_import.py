@@ -9,7 +9,7 @@ mesh.stl beside it. What was learned is left out: only object_recognition_core c
 import base64
 import os
 import tempfile
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 from ..common.errors import about
 from ..common.plain_text import brief, printable
@@ -17,7 +17,7 @@ from .database import Database, Object
 from .database.folder_files import MAX_DATA, is_file_name, read_json
 from .database.folder_import import object_of
 from .database.objects import checked_object, is_id
-from .mesh_intake import take_mesh
+from .mesh_intake import Intake, take_mesh
 
 MESH_METHOD = "mesh"
 
@@ -65,11 +65,23 @@ def import_couch(
         except ValueError as error:
             warn(f"object {printable(object_id)} is left out: {error}")
             continue
+        mesh, lack = _mesh_of(meshes.get(object_id))
+        if lack:
+            stays = (
+                "the object stays as it is"
+                if object_id in there
+                else "mesh_add.py can add another one"
+            )
+            warn(f"the mesh of {object_id} is left out, {stays}: {lack}")
+        if lack and object_id in there:
+            continue
         if object_id in there:
             database.objects.delete(object_id)
         database.objects.add(added)
-        if object_id in meshes:
-            _add_mesh(database, object_id, meshes[object_id], tell, warn)
+        if mesh:
+            for note in mesh.notes:
+                tell(f"{object_id}: {note}")
+            database.meshes.set(object_id, mesh.stored)
         tell(f"{object_id} added: '{added.name}'")
         count += 1
     return count
@@ -117,26 +129,18 @@ def _meshes(documents: List[Dict[str, Any]]) -> Dict[str, _Attachment]:
     return found
 
 
-def _add_mesh(
-    database: Database,
-    object_id: str,
-    attached: _Attachment,
-    tell: Callable[[str], None],
-    warn: Callable[[str], None],
-) -> None:
+def _mesh_of(attached: Optional[_Attachment]) -> Tuple[Optional[Intake], str]:
+    """Returns the mesh of a file, or why it cannot be taken."""
+    if attached is None:
+        return None, ""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, attached.name)
         try:
             with open(path, "wb") as file:
                 file.write(_content(attached.data))
-            taken = take_mesh(path)
+            return take_mesh(path), ""
         except (OSError, ValueError) as error:
-            reason = str(error).replace(folder + os.sep, "")
-            warn(f"the mesh of {object_id} is left out, mesh_add.py can add another one: {reason}")
-            return
-    for note in taken.notes:
-        tell(f"{object_id}: {note}")
-    database.meshes.set(object_id, taken.stored)
+            return None, str(error).replace(folder + os.sep, "")
 
 
 def _content(data: Any) -> bytes:

@@ -8,7 +8,7 @@ import numpy as np
 from ..depth.places import label_in_frames
 from .found import Found
 
-KEPT = 10  # images for which the number of what is not seen stays its own
+KEPT = 10  # images for which the number of what is not seen is not given to something new
 
 
 class _Numbered(NamedTuple):

@@ -97,15 +97,24 @@ def from_bop(info: Dict[str, Any], middle: Sequence[float], diameter: float) -> 
         away = np.cross(MM * point - middle, one.axis)
         _require_middle(float(np.linalg.norm(away)), diameter)
         found.append(one)
+    turns: List[Symmetry] = []
     for entry in _list(info, "symmetries_discrete"):
         made = matrix({"symmetries_discrete": entry}, "symmetries_discrete", 4)
         one = _turn(made)
         moved = MM * made[:3, 3] + made[:3, :3] @ middle - middle
         _require_middle(float(np.linalg.norm(moved)) / 2.0, diameter)
-        if one is not None and one not in found:
+        if one is not None:
+            turns.append(one)
+    for one in sorted(turns, key=lambda one: -one.fold):
+        if not _is_made_by(found, one):  # A file may have all turns that few make together.
             found.append(one)
     turns_of(found)
     return found
+
+
+def _is_made_by(symmetries: Sequence[Symmetry], one: Symmetry) -> bool:
+    turn = cv2.Rodrigues(np.array(one.axis) * (2.0 * math.pi / one.fold))[0]
+    return any(np.abs(made - turn).max() < MAX_ANGLE_ERROR for made in turns_of(symmetries))
 
 
 def _require_middle(shift: float, diameter: float) -> None:

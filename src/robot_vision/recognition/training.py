@@ -103,7 +103,7 @@ def _tasks(database: Database, pipeline: Pipeline, failures: _Failures) -> List[
     known = {key: one for key, one in pipeline.parameters.items() if key in method.parameters}
     with about(pipeline.name):
         parameters = method.complete(known)
-    tasks = []
+    tasks, failed = [], failures.count
     for one in chosen_objects(database, pipeline):
         try:
             with about(title_of(one, method)):
@@ -118,6 +118,6 @@ def _tasks(database: Database, pipeline: Pipeline, failures: _Failures) -> List[
             print(f"left out: {lack}", file=sys.stderr)
         else:
             tasks.append(task)
-    if not tasks and pipeline.objects != MISSING:
+    if not tasks and pipeline.objects != MISSING and failures.count == failed:
         raise ValueError(f"no object in {database.path} has a mesh that could be learned")
     return tasks

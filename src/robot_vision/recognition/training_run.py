@@ -79,11 +79,20 @@ def train(database: Database, task: Task, force: bool) -> bool:
         trainer = _trainer(database, task, None if force else database.models.state(key))
         with TrainingProgress(task.title, trainer.done, trainer.total) as progress:
             _work(database, key, trainer, progress)
-            model = _model(task, key, trainer.model())
-            with database.transaction():
-                database.models.set(model)
+            _set(database, _model(task, key, trainer.model()), progress)
             progress.tell(f"{trainer.total} views learned")
     return True
+
+
+def _set(database: Database, model: Model, progress: TrainingProgress) -> None:
+    """Stores a model, when no other program writes any longer."""
+    while True:
+        try:
+            with database.transaction():
+                database.models.set(model)
+            return
+        except BusyError as error:
+            progress.tell(f"the model is not stored yet: {error}")
 
 
 def _adopt(database: Database, task: Task, there: Model) -> bool:
@@ -136,11 +145,14 @@ def _work(database: Database, key: str, trainer: Trainer, progress: TrainingProg
                     progress.tell(f"what was done is not stored yet: {error}")
                 saved = time.monotonic()
     except KeyboardInterrupt:
-        _store(database, key, trainer)
-        progress.tell(
-            f"interrupted; {trainer.done} of {trainer.total} views are stored, from which the next "
-            "training goes on"
-        )
+        try:
+            _store(database, key, trainer)
+            progress.tell(
+                f"interrupted; {trainer.done} of {trainer.total} views are stored, from which the "
+                "next training goes on"
+            )
+        except BusyError as error:
+            progress.tell(f"interrupted; what was done last is not stored: {error}")
         raise
 
 

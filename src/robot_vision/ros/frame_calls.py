@@ -34,7 +34,8 @@ class FrameCalls:
         self._later_calls: List[_Call] = []  # that get the one after it
         self._working = 0  # number of calls for which the node has to work
         self._last_frame = -FRAME_PERIOD  # s of the monotonic clock
-        self._began: Optional[float] = None  # the same, of the frame that is processed
+        self._under_way = 0  # number of frames that are processed
+        self._began: Optional[float] = None  # s of the monotonic clock, of the first of these
         self._busy = 0.0  # s in which frames before it were processed
 
     @property
@@ -75,12 +76,16 @@ class FrameCalls:
     def processing(self) -> Iterator[None]:
         """Has calls wait while a frame is processed, however long that takes."""
         with self._lock:
-            self._began = time.monotonic()
+            self._under_way += 1
+            if self._under_way == 1:
+                self._began = time.monotonic()
         try:
             yield
         finally:
             with self._lock:
-                self._busy, self._began = self._busy_until_now(), None
+                self._under_way -= 1
+                if self._under_way == 0:
+                    self._busy, self._began = self._busy_until_now(), None
 
     def wait(self, timeout: float, given_up: Callable[[], bool] = lambda: False) -> Any:
         """Waits for the next frame, and returns what is made of it; raises what that raises.

@@ -98,6 +98,7 @@ void RegistrationInput::unsubscribe()
   endSubscription(color_info_subscription_);
   depth_info_.reset();
   color_info_.reset();
+  sized_info_.reset();
   color_size_ = cv::Size();
 }
 
@@ -121,10 +122,18 @@ void RegistrationInput::onDepth(const sensor_msgs::ImageConstPtr& message)
 /// Whether something that a depth image needs may be on its way.
 bool RegistrationInput::waits()
 {
+  forgetOtherSize();
   lookForColorSize();
   const bool complete = depth_info_ && color_info_ && !needsColorSize();
   waiting_ = complete ? 0 : waiting_ + 1;
   return !complete && waiting_ < kMaxWaiting;
+}
+
+/// Forgets the size of the color images when their camera was set to another one.
+void RegistrationInput::forgetOtherSize()
+{
+  if (sized_info_ && color_info_ && !haveSameWindow(*sized_info_, *color_info_)) color_size_ = cv::Size();
+  sized_info_ = color_info_;
 }
 
 /// Whether the color camera's camera_info may be that of the whole sensor, or of images whose size is not known yet.

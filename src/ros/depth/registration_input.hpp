@@ -68,6 +68,7 @@ private:
   void unsubscribe();
   void onDepth(const sensor_msgs::ImageConstPtr& message);
   bool waits();
+  void forgetOtherSize();
   bool needsColorSize() const;
   void lookForColorSize();
   bool process(const sensor_msgs::ImageConstPtr& message);
@@ -85,7 +86,8 @@ private:
   std::size_t waiting_ = 0;  // depth images in a row that lack something
   sensor_msgs::CameraInfoConstPtr depth_info_;
   sensor_msgs::CameraInfoConstPtr color_info_;
-  cv::Size color_size_;  // of the color images; empty until it is asked for and known
+  cv::Size color_size_;                         // of the color images; empty until it is asked for and known
+  sensor_msgs::CameraInfoConstPtr sized_info_;  // that had this size
   ImageSubscription depth_subscription_;
   ImageSubscription color_subscription_;  // while that size is looked for
   ros::Subscriber depth_info_subscription_;

@@ -41,6 +41,12 @@ bool hasWindow(const sensor_msgs::CameraInfo& info)
   return info.binning_x > 1 || info.binning_y > 1 || hasRegion(info);
 }
 
+bool haveSameWindow(const sensor_msgs::CameraInfo& a, const sensor_msgs::CameraInfo& b)
+{
+  return a.width == b.width && a.height == b.height && a.binning_x == b.binning_x && a.binning_y == b.binning_y &&
+         a.roi == b.roi;
+}
+
 sensor_msgs::CameraInfoConstPtr ofImages(const sensor_msgs::CameraInfoConstPtr& info, const cv::Size& size)
 {
   const bool is_theirs = cv::Size2d(info->width, info->height) == cv::Size2d(size);

@@ -20,6 +20,9 @@ CameraModel cameraModel(const sensor_msgs::CameraInfo& info);
 /// that of the images.
 bool hasWindow(const sensor_msgs::CameraInfo& info);
 
+/// Whether both are of the same size, binning and region.
+bool haveSameWindow(const sensor_msgs::CameraInfo& a, const sensor_msgs::CameraInfo& b);
+
 /// The camera_info of the pixels of images. A driver that bins pixels, or gives a region, has that of the whole sensor
 /// in it (REP 104): then size, K and P are those of the images, as image_geometry takes them, and binning and roi are
 /// gone. It stays as it is where its own size is already `size`, that of the images if it is known.

@@ -35,7 +35,10 @@ export class GraphDetails {
     if (chosen !== this.chosen) this.row = null;
     this.chosen = chosen;
     this.element.hidden = !chosen;
-    if (!chosen) return;
+    if (!chosen) {
+      this.shown = "";
+      return;
+    }
     const isNode = chosen[0] === "n";
     const name = chosen.slice(1);
     const { nodes, topics } = this.app.graph;
