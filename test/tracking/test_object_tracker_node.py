@@ -417,15 +417,21 @@ class Selector:
         del self.boxes[number]
 
 
+def selecting(after, most=1, predicted=False):
+    """A Selector, and an AutoSelection that selects there what was found for so long (s)."""
+    selector = Selector()
+    selection = AutoSelection(selector)
+    selection.configure("", most, after, predicted)
+    return selector, selection
+
+
 def test_only_the_best_of_thousands_of_detections_are_used(log):
     boxes = [region(x, y, SMALL) for y in range(0, 5000, 100) for x in range(0, 6000, 100)]
     array = DetectionArray(detections=[Detection(box=box, id=-1) for box in boxes])
     order = np.random.default_rng(1).permutation(len(boxes))
     for detection, rank in zip(array.detections, order):
         detection.score = 1.0 - rank / len(boxes)
-    selector = Selector()
-    selection = AutoSelection(selector)
-    selection.configure("", 3000, 0.1)
+    selector, selection = selecting(0.1, most=3000)
     for second in (1, 2, 3):
         array.header.stamp = rospy.Time(second)
         found = copy.deepcopy(array)
@@ -459,9 +465,7 @@ def found_at(selection, selector, seconds, *boxes, image=BACKGROUND, predicted=F
 
 
 def test_what_was_found_before_a_gap_is_found_anew():
-    selector = Selector()
-    selection = AutoSelection(selector)
-    selection.configure("", 1, 50.0)
+    selector, selection = selecting(50.0)
     place = region(40, 80)
     for seconds in (1.0, 101.0, 60.0, 101.0):  # the clock of a recording may go back, too
         found_at(selection, selector, seconds, place)
@@ -473,9 +477,7 @@ def test_what_was_found_before_a_gap_is_found_anew():
 
 
 def test_what_is_predicted_is_no_gap_but_not_selected():
-    selector = Selector()
-    selection = AutoSelection(selector)
-    selection.configure("", 1, 0.5)
+    selector, selection = selecting(0.5)
     place = region(40, 80)
     found_at(selection, selector, 1.0, place)
     for seconds in (1.2, 1.5, 1.8):
@@ -488,9 +490,7 @@ def test_what_is_predicted_is_no_gap_but_not_selected():
 
 
 def test_what_is_seen_only_afterwards_has_not_been_found_for_long():
-    selector = Selector()
-    selection = AutoSelection(selector)
-    selection.configure("", 1, 0.5)
+    selector, selection = selecting(0.5)
     place = region(40, 80)
     found_at(selection, selector, 1.0, place, predicted=True)
     for seconds in (1.4, 1.8):
@@ -501,9 +501,7 @@ def test_what_is_seen_only_afterwards_has_not_been_found_for_long():
 
 
 def test_what_is_predicted_is_selected_if_that_is_wanted():
-    selector = Selector()
-    selection = AutoSelection(selector)
-    selection.configure("", 1, 0.5, predicted=True)
+    selector, selection = selecting(0.5, predicted=True)
     for seconds in (1.0, 1.4):
         found_at(selection, selector, seconds, region(40, 80), predicted=True)
     assert not selector.selected
@@ -512,9 +510,7 @@ def test_what_is_predicted_is_selected_if_that_is_wanted():
 
 
 def test_what_was_found_before_automatic_selection_ended_is_found_anew():
-    selector = Selector()
-    selection = AutoSelection(selector)
-    selection.configure("", 1, 0.5)
+    selector, selection = selecting(0.5)
     place = region(40, 80)
     image = BACKGROUND.copy()
     found_at(selection, selector, 1.0, place, image=image)
