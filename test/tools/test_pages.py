@@ -19,7 +19,9 @@ COMMON = {
 
 
 def test_the_readme_is_short():
-    assert README.stat().st_size <= 8000
+    """Its tables grow with the package, so only the prose around them is measured."""
+    lines = README.read_text().splitlines(keepends=True)
+    assert len("".join(line for line in lines if not line.startswith("|"))) <= 4000
 
 
 def test_every_nodelet_has_a_page():
