@@ -305,7 +305,21 @@ def test_files_that_a_mesh_names(tmp_path, names, taken):
     (folder / "tex").mkdir(parents=True)
     for name in ("a.mtl", "a b.mtl", "c.png", "d.png", "e.bin", "g.png", "tex/h.png", "other"):
         (folder / name).write_bytes(b"x")
-    assert sorted(mesh_intake.files_beside(str(folder / "a.obj"), names.encode())) == taken
+    told = []
+    found = mesh_intake.files_beside(str(folder / "a.obj"), names.encode(), told.append)
+    assert sorted(found) == taken and told == []
+
+
+def test_of_two_files_with_one_name_the_first_is_taken_and_the_other_is_told(tmp_path):
+    for name in ("body/skin.png", "lid/skin.png", "copy/skin.png"):
+        (tmp_path / name).parent.mkdir()
+        (tmp_path / name).write_bytes(b"red" if name.startswith("lid") else b"blue")
+    (tmp_path / "skin.png").write_bytes(b"green")
+    names = [b"map_Kd %s/skin.png" % name for name in (b"body", b"lid", b"copy", b"body")]
+    told = []
+    found = mesh_intake.files_beside(str(tmp_path / "a.obj"), b"\n".join(names), told.append)
+    assert found == {"skin.png": b"blue"}
+    assert told == ["lid/skin.png is left out: another file is stored as skin.png"]
 
 
 @pytest.mark.parametrize(
@@ -549,6 +563,9 @@ def test_a_split_that_is_not_there_is_told_before_anything_is_added(
     for source in (tmp_path / "ours", file):
         code, _, err = run(object_import, source, "--split", "train", "--replace", "--commit")
         assert code == 1 and f"--split is of BOP data sets, {source} is none: no models" in err
+    for source in (folder, file):
+        code, _, err = run(object_import, source, "--models", "models_cda", "--commit")
+        assert code == 1 and f"--models is of BOP data sets, {source} is none: no models_cda" in err
     with Database(path) as database:
         assert [one.name for one in database.objects.all()] == ["box"]
 

@@ -247,13 +247,40 @@ def test_what_pipelines_do_not_share_is_told(tmp_path, capsys):
     assert capsys.readouterr().err.splitlines() == [
         f"warning: {file}: pipeline1: not only tables are looked at, as for other pipelines",
         f"warning: {file}: pipeline2: {paths[1]} is not used: the database is that of pipeline1",
-        f"warning: {file}: pipeline2: its objects and those of pipeline1 are looked for by both",
+        f"warning: {file}: pipeline1: LINEMOD looks for the objects of other pipelines, too",
+        f"warning: {file}: pipeline2: TOD looks for the objects of other pipelines, too",
     ]
     assert f'_database:="{paths[0]}"' in words and "_on_tables:=true" not in words
     assert f'_objects:="{",".join(ids)}"' in words
     same = ["--database", str(paths[0]), "--object_names", "[mug]"]
     detection.words_of(detection.parse_arguments(["-c", file, *same]))
     assert capsys.readouterr().err.count("warning") == 1
+
+
+@pytest.mark.parametrize(
+    "pipelines, told",
+    [
+        (["Linemod [coke]", "Linemod [mug]"], []),
+        (["Linemod [coke, mug]", "Tod [coke]", "Tod [mug]"], []),
+        (["Linemod [coke]", "Tod [coke]", "Linemod [mug]"], ["pipeline2: TOD"]),
+        (["Linemod [coke]", "Linemod [mug]", "Tod all"], ["pipeline1, pipeline2: LINEMOD"]),
+    ],
+)
+def test_a_method_that_looks_for_objects_of_others_is_told(tmp_path, capsys, pipelines, told):
+    path = tmp_path / "objects.db"
+    with Database(str(path), write=True) as database, database.transaction():
+        for name in ("coke", "mug"):
+            database.objects.add(Object(name))
+    cells = []
+    for index, words in enumerate(pipelines):
+        kind, names = words.split(" ", 1)
+        choice = f"object_{'ids' if names == 'all' else 'names'}: {names}"
+        cells.append(f"pipeline{1 + index}: {{type: {kind}Detector, {choice}}}")
+    file = written(tmp_path, "\n".join(cells))
+    detection.words_of(detection.parse_arguments(["-c", file, "--database", str(path)]))
+    said = "looks for the objects of other pipelines, too"
+    warnings = [f"warning: {file}: {one} {said}" for one in told]
+    assert capsys.readouterr().err.splitlines() == warnings
 
 
 @pytest.mark.parametrize(

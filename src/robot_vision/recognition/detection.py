@@ -2,7 +2,7 @@
 
 import argparse
 import sys
-from typing import List, Sequence
+from typing import List, Optional, Sequence, Set
 
 import rospy
 
@@ -89,21 +89,31 @@ def _shared_warnings(pipelines: Sequence[Pipeline], paths: Sequence[str]) -> Lis
     """Returns in what pipelines, with their databases, differ that one node has for all of them."""
     warnings = []
     for one, path in zip(pipelines, paths):
-        first = pipelines[0]
         if path != paths[0]:
-            warnings.append(f"{one.name}: {path} is not used: the database is that of {first.name}")
+            warnings.append(
+                f"{one.name}: {path} is not used: the database is that of {pipelines[0].name}"
+            )
         if one.on_tables and not all(other.on_tables for other in pipelines):
             warnings.append(f"{one.name}: not only tables are looked at, as for other pipelines")
-        if one.method != first.method and one.objects != first.objects:
-            warnings.append(
-                f"{one.name}: its objects and those of {first.name} are looked for by both"
-            )
+    wanted = _wanted(pipelines)
+    for method in dict.fromkeys(one.method for one in pipelines):
+        own = [one for one in pipelines if one.method == method]
+        if _wanted(own) != wanted:
+            names = ", ".join(one.name for one in own)
+            warnings.append(f"{names}: {method} looks for the objects of other pipelines, too")
     return warnings
+
+
+def _wanted(pipelines: Sequence[Pipeline]) -> Optional[Set[str]]:
+    """Returns what the pipelines name, ids and names, or None for all objects that there are."""
+    if any(pipeline.objects in (ALL, MISSING) for pipeline in pipelines):
+        return None
+    return {name for pipeline in pipelines for name in pipeline.objects}
 
 
 def _objects(pipelines: Sequence[Pipeline], path: str) -> str:
     """Returns the ids of all objects that the pipelines name, or "" for all that there are."""
-    if any(pipeline.objects in (ALL, MISSING) for pipeline in pipelines):
+    if _wanted(pipelines) is None:
         return ""
     with Database(path) as database:
         found = [one for pipeline in pipelines for one in chosen_objects(database, pipeline)]

@@ -3,7 +3,7 @@
 import itertools
 import os
 import re
-from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Set
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence
 from urllib.parse import unquote
 
 import numpy as np
@@ -18,7 +18,7 @@ from .database.folder_files import MAX_DATA, is_file_name
 from .mesh_data import pack_mesh
 
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}  # m
-MAX_FILES = 50  # that a mesh names
+MAX_FILES = 50  # of a mesh, with itself, that are read
 MAX_SCANNED = 256 << 20  # bytes of a file that are looked through: 2 million triangles have less
 # What names other files: of obj, mtl, ply, gltf and dae. Nothing in it is looked for again from
 # each place of what was passed, so that any file takes a time in proportion to its size.
@@ -70,17 +70,18 @@ def take_mesh(
         mesh = _moved(mesh, -offset)
     sides = " x ".join(f"{1000.0 * side:.1f}" for side in mesh_extent(mesh).size)
     notes = [loaded.unit_reason, f"it is {sides} mm, of {len(mesh.triangles)} triangles"]
+    notes += loaded.warnings
     stored = StoredMesh(
         _stored_name(os.path.basename(path)),
         original,
         pack_mesh(mesh),
-        files_beside(path, original),
+        files_beside(path, original, notes.append),
         UNITS[loaded.unit],
         scale,
         tuple(offset.tolist()),
         symmetries,
     )
-    return Intake(stored, notes + list(loaded.warnings))
+    return Intake(stored, notes)
 
 
 def _stored_name(name: str) -> str:
@@ -103,27 +104,40 @@ def _moved(mesh: Mesh, offset: np.ndarray) -> Any:
     )
 
 
-def files_beside(path: str, data: bytes) -> Dict[str, bytes]:
+def files_beside(path: str, data: bytes, tell: Callable[[str], None]) -> Dict[str, bytes]:
     """Returns the files that a mesh names, and that these name, by their names without folders.
 
     So what is in folders below the mesh is found again beside it, where read_mesh() looks, too.
+
+    Args:
+        path: The mesh's file.
+        data: What is in it.
+        tell: A function that is told in a line of each file that is left out, as another one has
+            its name.
     """
-    folder, found = os.path.dirname(path), {}
+    folder, own = os.path.split(path)
+    taken, read = {own: data}, {own}  # by their names, and by where they are
     waiting = _names_in(data)
-    seen: Set[str] = {os.path.basename(path)}
-    while waiting and len(found) < MAX_FILES:
+    while waiting and len(read) < MAX_FILES:
         for place in _places(waiting.pop(0)):
+            if place in read:
+                break
             name = os.path.basename(place)
-            if name in seen or not is_file_name(name):
+            if not is_file_name(name):
                 continue
             try:
-                found[name] = read_file(os.path.join(folder, place), MAX_IMAGE)
+                content = read_file(os.path.join(folder, place), MAX_IMAGE)
             except OSError:  # It is elsewhere, or the mesh was read without it.
                 continue
-            seen.add(name)
-            waiting += _names_in(found[name])
+            read.add(place)
+            if name not in taken:
+                taken[name] = content
+                waiting += _names_in(content)
+            elif taken[name] != content:
+                tell(f"{place} is left out: another file is stored as {name}")
             break
-    return found
+    del taken[own]
+    return taken
 
 
 def _places(name: str) -> List[str]:

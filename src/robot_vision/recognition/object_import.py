@@ -6,7 +6,7 @@ import sys
 from typing import Callable, List, Sequence
 
 from ..common.commands import run_command
-from .bop_import import add_models, import_bop, is_bop
+from .bop_import import MODELS, add_models, import_bop, is_bop
 from .couch_import import import_couch
 from .database import Database
 from .database.folder_import import import_folder
@@ -45,9 +45,11 @@ def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
 def add(arguments: argparse.Namespace) -> None:
     """Adds the objects, or tells which would be added."""
     path = database_path(arguments)
-    if arguments.split and not is_bop(arguments.source, arguments.models):
+    option = "--split" if arguments.split else "--models"
+    is_told = arguments.split or arguments.models != MODELS
+    if is_told and not is_bop(arguments.source, arguments.models):
         raise ValueError(
-            f"--split is of BOP data sets, {arguments.source} is none: no {arguments.models}/"
+            f"{option} is of BOP data sets, {arguments.source} is none: no {arguments.models}/"
             "obj_000001.ply or such"
         )
     if not arguments.commit and not os.path.lexists(path):
