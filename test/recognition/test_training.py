@@ -333,6 +333,19 @@ def test_what_cannot_be_learned_leaves_the_others(run, path):
     assert model(path, "coke") is not None and model(path, "coke", "PPF") is not None
 
 
+def test_where_no_object_can_be_learned_only_the_reasons_are_told(run, path):
+    """Of each pipeline: the ones behind it are looked at all the same."""
+    damaged = add(path, "box", b"box")
+    with contextlib.closing(sqlite3.connect(path)) as file, file:
+        values = "[7]", damaged.id
+        file.execute("UPDATE meshes SET symmetries = ? WHERE object_id = ?", values)
+    code, _, err = run(text="pipeline1: {type: LinemodTrainer}\npipeline2: {type: PpfTrainer}")
+    *reasons, end = err.splitlines()
+    titles = ["not learned: box: LINEMOD: symmetries", "not learned: box: PPF: symmetries"]
+    assert code == 1 and [one.split(" is ")[0] for one in reasons] == titles
+    assert end == "training: not all objects were learned"
+
+
 # What is damaged is told before the trainings of a pipeline begin.
 PIPELINES_OF_BAD = ["box: LINEMOD", "bottle: LINEMOD", "box: PPF", "bottle: PPF"]
 

@@ -83,6 +83,24 @@ def test_a_call_is_late_by_the_time_in_which_no_frame_is_processed(monkeypatch):
     assert calls._waited(call) == pytest.approx(7.0)
 
 
+def test_frames_that_are_processed_at_a_time_count_from_the_first_to_the_last(monkeypatch):
+    clock = StillClock()
+    monkeypatch.setattr(frame_calls, "time", clock)
+    calls = FrameCalls(Node())
+    call = frame_calls._Call(clock.now, calls._busy_until_now(), None)
+    first, second = calls.processing(), calls.processing()
+    first.__enter__()
+    clock.now += 4.0
+    second.__enter__()
+    clock.now += 2.0
+    first.__exit__(None, None, None)
+    clock.now += 6.0
+    assert calls._waited(call) == 0.0
+    second.__exit__(None, None, None)
+    clock.now += 3.0
+    assert calls._waited(call) == pytest.approx(3.0)
+
+
 def test_a_frame_that_takes_longer_than_a_call_waits_is_answered(calls):
     waits = threading.Event()
     with concurrent.futures.ThreadPoolExecutor() as pool, calls.processing():
