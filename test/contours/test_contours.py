@@ -500,6 +500,8 @@ def test_a_hierarchy_that_would_take_many_seconds_is_refused():
             contours_of(stripes, mode=mode)
     for mode, rows in (("list", 1000), ("external", 1000), ("tree", 990)):
         assert len(contours_of(stripes[:rows], mode=mode, min_area=0.0, max_contours=5)) == 5
+    # As many changes in a larger image are no noise.
+    assert contours_of(np.pad(stripes, ((0, 1200), (0, 1200))), min_area=0.0, max_contours=1)
 
 
 def test_an_image_of_another_encoding_is_refused_and_of_any_encoding_taken():

@@ -374,6 +374,9 @@ def test_circles_of_the_alternative_are_not_looked_for_in_so_many_edges_that_it_
     assert (close.edges > 0).mean() > 0.2
     assert not found(noise, **values).too_many_edges
     assert found(disc(110.0, 80.0, 40.0), min_distance=1.0, **values).circles
+    rows = np.zeros((1440, 2560), np.uint8)
+    rows[::16] = 255  # An eighth of the pixels are edges: no image of a camera has more.
+    assert not found(rows, **values).too_many_edges
 
 
 def test_radius_0_is_that_of_the_image():
