@@ -1,5 +1,6 @@
 """The node depth_registration: its topics field by field, and what it cannot use."""
 
+import copy
 import itertools
 
 import numpy as np
@@ -122,6 +123,11 @@ def test_all_topics_of_a_frame(start, depth, encoding, published):
     assert_cloud(found["points"], expected, COLORS)
 
 
+def assert_same_camera(registered, given):
+    for name in ("width", "height", "binning_x", "binning_y", "D", "K", "P"):
+        assert np.array_equal(getattr(registered, name), getattr(given, name)), name
+
+
 @pytest.mark.parametrize("color", [COLORS, None])
 def test_of_binned_pixels_the_camera_info_of_the_whole_sensor_is_known(start, color):
     watched = Watched(start, topics=("image_raw", "camera_info"))
@@ -134,6 +140,7 @@ def test_of_binned_pixels_the_camera_info_of_the_whole_sensor_is_known(start, co
 
 
 def test_of_binned_pixels_the_camera_info_of_the_images_is_known(start):
+    """Also when the camera is set to another binning."""
     watched = Watched(start, topics=("image_raw", "camera_info"))
     cameras = watched.cameras
     given = cameras.calibration["rgb"]
@@ -144,8 +151,20 @@ def test_of_binned_pixels_the_camera_info_of_the_images_is_known(start):
         return same(pixels(found["image_raw"]), expected_of(MILLIMETRES)) and found["camera_info"]
 
     registered = support.wait_for(known, "the size of the color images")
-    for name in ("width", "height", "binning_x", "binning_y", "D", "K", "P"):
-        assert np.array_equal(getattr(registered, name), getattr(given, name)), name
+    assert_same_camera(registered, given)
+
+    coarse = copy.deepcopy(given)
+    coarse.width, coarse.height = given.width // 2, given.height // 2
+    coarse.binning_x = coarse.binning_y = 4
+    coarse.K = (np.diag([0.5, 0.5, 1.0]) @ np.reshape(given.K, (3, 3))).ravel().tolist()
+    coarse.P = (np.diag([0.5, 0.5, 1.0]) @ np.reshape(given.P, (3, 4))).ravel().tolist()
+    cameras.calibration["rgb"] = coarse
+
+    def known_again():
+        registered = watched.answers(color=COLORS[::2, ::2].copy())["camera_info"]
+        return registered.binning_x == 4 and registered.K == tuple(coarse.K) and registered
+
+    assert_same_camera(support.wait_for(known_again, "the other size"), coarse)
     node, color = f"{cameras.namespace}/registration", cameras.topic("rgb", "image_raw")
     support.wait_for(lambda: node not in subscriptions(cameras).get(color, []), "its end")
 
