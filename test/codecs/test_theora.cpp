@@ -217,6 +217,23 @@ TEST(Theora, refusesADamagedSetupHeaderBeforeTheLibrarySeesIt)
   EXPECT_GT(refused, 100);  // most flips change a number for which any value is valid
 }
 
+TEST(Theora, givesNothingFromALostFrameToTheNextKeyframe)
+{
+  TheoraEncoder encoder({true, 63, 1, 4});
+  TheoraDecoder decoder;
+  cv::Mat back;
+  std::vector<int> seen;
+  for (int i = 0; i < 14; ++i)
+  {
+    const std::vector<TheoraPacket> packets = encoder.encode(frameAt(i));
+    if (i == 1 || i == 8) continue;  // the second one is a keyframe
+    if (decodeAll(decoder, packets, back) == 0) continue;
+    seen.push_back(i);
+    EXPECT_LT(difference(back, frameAt(i)), 4.0) << i;
+  }
+  EXPECT_EQ(seen, (std::vector<int>{0, 4, 5, 6, 7, 12, 13}));
+}
+
 TEST(Theora, refusesAnImageWithoutPixels)
 {
   TheoraEncoder encoder;

@@ -5,8 +5,11 @@
 
 #include <boost/make_shared.hpp>
 
+#include "ros/transports/plugins/theora_packet.hpp"
 #include "support/receiver.hpp"
 #include "support/run_tests.hpp"
+
+using robot_vision::TheoraPacketMessage;
 
 namespace
 {
@@ -25,13 +28,13 @@ struct Side
   std::unique_ptr<image_transport::ImageTransport> transport;
 };
 
-sensor_msgs::ImagePtr grayImage()
+sensor_msgs::ImagePtr grayImage(int value = 100)
 {
   auto image = boost::make_shared<sensor_msgs::Image>();
   image->encoding = "mono8";
   image->width = image->step = 64;
   image->height = 48;
-  image->data.assign(64 * 48, 100);
+  image->data.assign(64 * 48, static_cast<std::uint8_t>(value));
   return image;
 }
 
@@ -57,6 +60,45 @@ TEST(Theora, keepsTheFirstFrameAfterAllHeaders)
         return frames > 0;
       });
   EXPECT_EQ(frames, 1);
+}
+
+// A node that works while frames come gets the newest one, made of all that came before it.
+TEST(Theora, givesTheNewestOfTheFramesThatWait)
+{
+  Side sender, receiver, counter;
+  image_transport::Publisher publisher = sender.transport->advertise("clip", 1);
+  std::vector<sensor_msgs::ImageConstPtr> seen;
+  const image_transport::Subscriber subscriber = receiver.transport->subscribe(
+      "clip", 1, [&seen](const sensor_msgs::ImageConstPtr& image) { seen.push_back(image); }, ros::VoidPtr(),
+      image_transport::TransportHints("theora"));
+  int frames = 0;  // that have come: the subscriber above has got each of them first
+  const auto count = [&frames](const TheoraPacketMessage::ConstPtr& packet)
+  {
+    const bool is_header = !packet->data.empty() && (packet->data[0] & 0x80) != 0;
+    frames += is_header ? 0 : 1;
+  };
+  const ros::Subscriber all = counter.node.subscribe<TheoraPacketMessage>("clip/theora", 1000, count);
+  ASSERT_TRUE(waitFor([&publisher] { return publisher.getNumSubscribers() == 1; }));
+  int sent = 0;
+  for (const int burst : {20, 1, 2, 100})  // with a whole image in the last one, of which the queue holds the end
+  {
+    for (int i = 0; i < burst; ++i)
+    {
+      publisher.publish(grayImage(++sent));  // of two that wait to be encoded the older one would be left out
+      ASSERT_TRUE(waitFor(
+          [&]
+          {
+            counter.callbacks.callAvailable();
+            return frames == sent;
+          }));
+    }
+    receiver.callbacks.callAvailable();
+    ASSERT_FALSE(seen.empty());
+    EXPECT_NEAR(seen.back()->data.front(), sent, 3) << burst;
+  }
+  ASSERT_EQ(seen.size(), 4U);
+  for (const std::size_t i : {1U, 2U, 3U})  // numbers count images, not packets
+    EXPECT_EQ(seen[i]->header.seq - seen[i - 1]->header.seq, (std::vector<std::uint32_t>{20, 1, 2, 100})[i]);
 }
 
 int main(int argc, char** argv)

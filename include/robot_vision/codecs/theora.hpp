@@ -86,7 +86,8 @@ public:
   void setPostProcessing(int level);
 
   /// Returns whether the packet gave an image (CV_8UC3, BGR): headers do not, nor do frames before the headers and a
-  /// key frame have come. Throws std::invalid_argument if the packet is damaged or its image too large.
+  /// key frame have come, or from a lost one, as the numbers tell, to the next key frame. Throws std::invalid_argument
+  /// if the packet is damaged or its image too large.
   bool decode(const TheoraPacket& packet, cv::Mat& bgr);
 
 private:

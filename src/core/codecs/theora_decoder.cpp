@@ -74,7 +74,9 @@ struct TheoraDecoder::Stream
       setPostProcessing(post_processing);
     }
     if (th_packet_isheader(&ogg) == 1) return false;  // repeated headers of which the first was lost
-    keyframe_seen = keyframe_seen || th_packet_iskeyframe(&ogg) == 1;
+    const bool follows = keyframe_seen && packet.number == number + 1;
+    number = packet.number;
+    keyframe_seen = follows || th_packet_iskeyframe(&ogg) == 1;
     if (!keyframe_seen) return false;
     const int result = th_decode_packetin(context, &ogg, nullptr);
     if (result != 0 && result != TH_DUPFRAME) refuse(packet.data.size(), "is a damaged frame");
@@ -128,7 +130,8 @@ struct TheoraDecoder::Stream
   th_comment comment;
   th_setup_info* setup = nullptr;
   th_dec_ctx* context = nullptr;
-  bool keyframe_seen = false;  // frames before the first key frame are changes of an unknown image
+  bool keyframe_seen = false;  // frames before a key frame, or behind a lost one, are changes of an unknown image
+  std::int64_t number = 0;     // of the last frame
 };
 
 TheoraDecoder::TheoraDecoder() : stream_(std::make_unique<Stream>())

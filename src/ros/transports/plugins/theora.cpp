@@ -83,11 +83,13 @@ private:
   mutable std_msgs::Header last_;
 };
 
-/// Subscribes to "theora" and gives bgr8. Live parameter: `post_processing_level`, 0 to 7, softens the edges of blocks.
+/// Subscribes to "theora" and gives bgr8. All frames since the last whole image are decoded, also for a node that is
+/// slower than the camera and uses the newest alone.
+/// Live parameter: `post_processing_level`, 0 to 7, softens the edges of blocks.
 class TheoraSubscriber : public TransportSubscriber<TheoraPacketMessage>
 {
 public:
-  TheoraSubscriber() : TransportSubscriber(kTheoraHeaders) {}
+  TheoraSubscriber() : TransportSubscriber(kTheoraFrames + kTheoraHeaders) {}
 
   std::string getTransportName() const override { return "theora"; }
 
@@ -97,15 +99,29 @@ private:
     int level = 0;
     nh().getParamCached("post_processing_level", level);
     decoder_.setPostProcessing(level);
-    if (!decoder_.decode(toPacket(message), bgr_)) return nullptr;
-    return makeImage(message.header,
-                     [this](cv::Mat& pixels)
-                     {
-                       bgr_.copyTo(pixels);
-                       return std::string("bgr8");
-                     });
+    const TheoraPacket packet = toPacket(message);
+    if (!decoder_.decode(packet, bgr_)) return nullptr;
+    const sensor_msgs::ImagePtr image = makeImage(message.header,
+                                                  [this](cv::Mat& pixels)
+                                                  {
+                                                    bgr_.copyTo(pixels);
+                                                    return std::string("bgr8");
+                                                  });
+    image->header.seq = sequenceOf(packet);
+    return image;
   }
 
+  /// The number of an image. roscpp has numbered all messages, of which some are headers.
+  std::uint32_t sequenceOf(const TheoraPacket& frame)
+  {
+    const std::int64_t step = frame.number - number_;
+    number_ = frame.number;
+    sequence_ += step > 1 ? static_cast<std::uint32_t>(step) : 1;  // another stream begins anew
+    return sequence_;
+  }
+
+  std::int64_t number_ = 0;     // of the last frame's packet
+  std::uint32_t sequence_ = 0;  // of its image
   TheoraDecoder decoder_;
   cv::Mat bgr_;
 };

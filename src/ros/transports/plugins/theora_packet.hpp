@@ -11,6 +11,9 @@
 namespace robot_vision
 {
 
+/// The largest number of frames from one whole image to the next. One that is lost is missing to all behind it.
+constexpr std::uint32_t kTheoraFrames = 64;
+
 /// The number of header packets that may come together with a frame: three at the start of a stream, and three for a
 /// new subscriber. The two groups come in any order, so that the second one may come after the first frame.
 constexpr std::uint32_t kTheoraHeaders = 6;

@@ -2,12 +2,15 @@
 
 #include <image_transport/subscriber_plugin.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "robot_vision/common/throttle.hpp"
 #include "ros/images/bounded_reading.hpp"
 #include "ros/images/image_message.hpp"
+#include "waiting_messages.hpp"
 
 namespace robot_vision
 {
@@ -23,7 +26,8 @@ public:
   void shutdown() override { subscriber_.shutdown(); }
 
 protected:
-  /// `more_messages` is how many further messages may come together with one image.
+  /// `more_messages` is how many further messages may be needed for one image. Of the images of all that wait only as
+  /// many as the queue is to hold are given, the newest ones.
   explicit TransportSubscriber(std::uint32_t more_messages = 0) : more_messages_(more_messages) {}
 
   /// The image of a message, null if it has none. Throws for a message that cannot be used.
@@ -46,9 +50,12 @@ private:
                      const image_transport::TransportHints& hints) override
   {
     nh_ = std::make_unique<ros::NodeHandle>(hints.getParameterNH(), getTransportName());
+    queue_size_ = std::max(queue_size, 1U);
+    waiting_ = std::make_unique<WaitingMessages>(*nh.getCallbackQueue());
     ros::SubscribeOptions options = boundedOptions<Message>(
         base_topic + "/" + getTransportName(), queue_size + more_messages_,
         [this, callback](const boost::shared_ptr<const Message>& message) { onMessage(*message, callback); });
+    options.callback_queue = waiting_.get();
     options.tracked_object = tracked_object;
     options.transport_hints = hints.getRosHints();
     subscriber_ = nh.subscribe(options);
@@ -56,19 +63,29 @@ private:
 
   void onMessage(const Message& message, const Callback& callback)
   {
-    sensor_msgs::ImagePtr image;
     try
     {
-      image = decode(message);
+      if (sensor_msgs::ImagePtr image = decode(message))
+      {
+        if (newest_) ++left_out_;
+        newest_ = std::move(image);
+      }
     }
     catch (const std::exception& e)
     {
       if (refused_.due()) ROS_ERROR("refused a frame on %s: %s", getTopic().c_str(), e.what());
     }
-    if (image) callback(image);
+    // A sender that is faster than decode() is must not keep all images away.
+    if (!newest_ || (waiting_->count() >= queue_size_ && left_out_ < more_messages_)) return;
+    left_out_ = 0;
+    callback(std::exchange(newest_, nullptr));
   }
 
   std::uint32_t more_messages_;
+  std::uint32_t queue_size_ = 1;
+  std::uint32_t left_out_ = 0;    // images since the last one that was given
+  sensor_msgs::ImagePtr newest_;  // that is not given as long as enough messages wait
+  std::unique_ptr<WaitingMessages> waiting_;
   std::unique_ptr<ros::NodeHandle> nh_;
   ImageMaker maker_;
   Throttle refused_;
