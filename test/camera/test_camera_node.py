@@ -520,8 +520,16 @@ def test_the_scenes_own_calibration_precedes_the_users_file(start, tmp_path):
         infos = support.Messages("/camera/camera_info", CameraInfo)
         arguments = [f"_source:={source}", "_camera_info_url:=" + argument]
         process = start("camera_node", *arguments, env={"ROS_HOME": str(tmp_path)})
-        assert infos.wait()[0].K[0] == pytest.approx(focal_length), source
+        info = infos.wait()[0]
+        assert info.K[0] == pytest.approx(focal_length), source
         process.wait_for_output(said)
+        before = path.read_bytes()
+        answer = rospy.ServiceProxy("/camera/set_camera_info", SetCameraInfo)(info)
+        if focal_length == exact:
+            assert not answer.success and path.read_bytes() == before
+            assert "exact: camera_info_url must name a file for another" in answer.status_message
+        else:
+            assert answer.success and answer.status_message == str(path)
         infos.close()
         process.end()
 

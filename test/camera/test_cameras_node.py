@@ -134,6 +134,7 @@ def test_a_camera_that_fails_to_load_is_tried_again(start, tmp_path):
     loader = start("camera_loader.py", env=PROMPT)
     for seconds in (1, 2):
         loader.wait_for_output(f"trying again in {seconds} s")
+    rospy.delete_param("/front")  # as if the master had been restarted
     cv2.imwrite(str(image), np.zeros((48, 64, 3), np.uint8))
     loader.wait_for_output("/front: loaded")
     assert_frames("/front", 64, "front")
@@ -155,6 +156,24 @@ def test_a_camera_that_kills_the_manager_is_left_out(start):
     manager = start(sys.executable, script)
     manager.wait_for_output("loaded /rear robot_vision/camera")
     assert manager.running() and "loaded /front robot_vision/camera" in manager.output()
+
+
+def test_a_camera_that_was_loaded_is_tried_as_often_again(start):
+    script = str(pathlib.Path(support.__file__).with_name("dying_manager.py"))
+    rospy.set_param("/camera_loader/cameras", [{"name": "bad", "source": "synthetic"}])
+    loader = start("camera_loader.py", "_manager:=/manager", env=PROMPT)
+
+    def wait_for_said(text, times):
+        support.wait_for(lambda: loader.output().count(text) == times, f"'{text}' {times} times")
+
+    for deaths in (1, 2):
+        rospy.set_param("/withstands", False)
+        start(sys.executable, script)
+        wait_for_said("/bad: the manager died of it; once more", deaths)
+        rospy.set_param("/withstands", True)
+        manager = start(sys.executable, script)
+        wait_for_said("/bad: loaded", deaths)
+        manager.end()
 
 
 def test_interrupt_while_loading(start):

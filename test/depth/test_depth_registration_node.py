@@ -162,7 +162,7 @@ def test_of_binned_pixels_the_camera_info_of_the_images_is_known(start):
 
     def known_again():
         registered = watched.answers(color=COLORS[::2, ::2].copy())["camera_info"]
-        return registered.binning_x == 4 and registered.K == tuple(coarse.K) and registered
+        return registered.binning_x == 4 and tuple(coarse.K) == registered.K and registered
 
     assert_same_camera(support.wait_for(known_again, "the other size"), coarse)
     node, color = f"{cameras.namespace}/registration", cameras.topic("rgb", "image_raw")

@@ -177,6 +177,11 @@ class CameraLoader:
         service = rospy.ServiceProxy(self._manager + "/load_nodelet", NodeletLoad)
         if self._lost.pop(name, "") == manager:
             self._unload(name)
+        with contextlib.suppress(
+            *UNREACHABLE_ERRORS
+        ):  # The manager could read no parameters either.
+            if not rospy.has_param(f"{name}/source"):  # A restarted master has none of them.
+                _replace_params(name, self._cameras[name])
         self._loading = True
         try:
             service(name, PLUGIN, [], [], [], bond.id)
@@ -186,6 +191,7 @@ class CameraLoader:
         finally:
             self._loading = False
         self._refused.pop(name, None)
+        self._crashes[name] = 0
         with self._lock:
             self._loaded[name] = manager, bond
         bond.start()

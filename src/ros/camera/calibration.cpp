@@ -59,6 +59,10 @@ void Calibration::setModel(std::unique_ptr<sensor_msgs::CameraInfo> model, bool 
 {
   model_ = std::move(model);
   exact_ = exact;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    is_fixed_ = model_ && exact_ && !has_url_;
+  }
   if (!model_) return;
   setImageSize({static_cast<int>(model_->width), static_cast<int>(model_->height)});
   if (!exact_)
@@ -136,6 +140,9 @@ sensor_msgs::CameraInfo Calibration::read() const
 void Calibration::set(const sensor_msgs::CameraInfo& info)
 {
   std::unique_lock<std::mutex> lock(mutex_);
+  // The file of this name may be a real camera's.
+  if (is_fixed_)
+    throw std::invalid_argument("camera_info is the scene's own, exact: camera_info_url must name a file for another");
   const cv::Size size = size_;
   lock.unlock();  // images must not wait for the disk
   requireUsable(info, size);
