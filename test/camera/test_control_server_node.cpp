@@ -143,6 +143,39 @@ TEST(ControlServer, savesWhatIsImpliedOnlyIfTheCameraHasIt)
   EXPECT_EQ(camera.control(V4L2_CID_FOCUS_ABSOLUTE).value, 40);
 }
 
+// A file that had both names would lose one of the values at the next start.
+TEST(ControlServer, savesUnderTheNameThatTheUsersMapHas)
+{
+  const ros::NodeHandle nh("~aliases");
+  nh.setParam("controls/focus_auto", false);
+  FakeCamera camera = webcam();
+  camera.controls.push_back({V4L2_CID_FOCUS_AUTO, V4L2_CTRL_TYPE_BOOLEAN, "Focus, Automatic Continuous", 0, 1, 1});
+  ControlServer server(ros::NodeHandle("~"), ControlDevice([&camera] { return camera.plug(); }),
+                       readControlSettings(nh));
+  const auto saved = [&server]
+  {
+    const dynamic_reconfigure::Config config = server.settings();
+    std::string text;
+    for (const auto& one : config.bools)
+      text += one.name + (one.value != 0 ? " on " : " off ");
+    for (const auto& one : config.ints)
+      text += one.name + " " + std::to_string(one.value);
+    return text;
+  };
+  EXPECT_EQ(saved(), "focus_auto off ");
+  const auto source = server.open([&camera] { return std::make_unique<V4l2Source>(camera.plug(), CaptureParams()); });
+  EXPECT_EQ(camera.control(V4L2_CID_FOCUS_AUTO).value, 0);
+  EXPECT_EQ(saved(), "focus_auto off ");
+  dynamic_reconfigure::Reconfigure call;
+  call.request.config = brightness(9);
+  call.request.config.bools.resize(1);
+  call.request.config.bools[0].name = "focus_automatic_continuous";
+  call.request.config.bools[0].value = 1;
+  EXPECT_TRUE(ros::service::call(ros::NodeHandle("~").resolveName("controls/set_parameters"), call));
+  EXPECT_EQ(camera.control(V4L2_CID_FOCUS_AUTO).value, 1);
+  EXPECT_EQ(saved(), "focus_auto on brightness 9");
+}
+
 TEST(ControlServer, opensTheDeviceOnlyWhileTheCaptureHasNot)
 {
   FakeCamera camera = webcam();

@@ -58,7 +58,8 @@ struct ControlSetting
 {
   std::string name;
   ControlValue value;
-  bool is_implied = false;  // by another setting: nothing is missing where a camera has no such control
+  bool is_implied = false;    // by another setting: nothing is missing where a camera has no such control
+  std::string saved_as = {};  // where it is saved, as the user's file has it; empty: by the driver's name
 };
 
 /// A setting that failed, and one line that gives the reason.

@@ -18,7 +18,8 @@ namespace robot_vision
 /// A camera's calibration: its file, in the format of camera_info_manager and camera_calibration, and the service
 /// ~set_camera_info. Unlike camera_info_manager it refuses calibrations that cannot be the camera's, and replaces the
 /// file in one step or not at all. The exact model of a source takes the place of a file that no url names; a model
-/// that is only that of its make stands in for a file that is not there. As long as an exact one is in use, none can be set.
+/// that is only that of its make stands in for a file that is not there. None can be set while an
+/// exact one is in use.
 class Calibration
 {
 public:
@@ -48,7 +49,7 @@ private:
   std::unique_ptr<sensor_msgs::CameraInfo> model_;
   bool exact_ = true;  // whether the model is
   Throttle wrong_size_;
-  std::mutex mutex_;  // guards all below, which the threads of the service and of the images use
+  std::mutex mutex_;       // guards all below, which the threads of the service and of the images use
   bool is_fixed_ = false;  // by a source that is exact, and whose calibration no url replaces
   bool read_ = false;
   sensor_msgs::CameraInfo info_;

@@ -117,7 +117,7 @@ std::vector<ControlSetting> readControlSettings(const ros::NodeHandle& pnh)
   XmlRpcValue controls = readMap(pnh, "controls");
   if (!controls.valid()) return settings;
   for (const auto& [name, value] : controls)
-    settings.push_back({name, toControlValue("controls/" + name, value)});
+    settings.push_back({name, toControlValue("controls/" + name, value), /*is_implied=*/false, name});
   return settings;
 }
 

@@ -57,10 +57,14 @@ void ControlServer::list(V4l2Device& device)
 void ControlServer::remember(const ControlSetting& setting)
 {
   const CameraControl* control = findControl(controls_, setting.name);
-  const auto same = [&](const ControlSetting& other)
-  { return other.name == setting.name || (control != nullptr && findControl(controls_, other.name) == control); };
-  settings_.erase(std::remove_if(settings_.begin(), settings_.end(), same), settings_.end());
-  settings_.push_back({control == nullptr ? setting.name : control->name, setting.value, setting.is_implied});
+  const auto differs = [&](const ControlSetting& other)
+  { return other.name != setting.name && (control == nullptr || findControl(controls_, other.name) != control); };
+  const auto replaced = std::stable_partition(settings_.begin(), settings_.end(), differs);
+  std::string saved_as = setting.saved_as;
+  for (auto other = replaced; other != settings_.end() && saved_as.empty(); ++other)
+    saved_as = other->saved_as;
+  settings_.erase(replaced, settings_.end());
+  settings_.push_back({control == nullptr ? setting.name : control->name, setting.value, setting.is_implied, saved_as});
 }
 
 dynamic_reconfigure::Config ControlServer::settings()
@@ -73,6 +77,8 @@ dynamic_reconfigure::Config ControlServer::settings()
   const auto is_made = [this](const ControlSetting& setting)
   { return !setting.is_implied || findControl(controls_, setting.name) != nullptr; };
   std::copy_if(settings_.begin(), settings_.end(), std::back_inserter(made), is_made);
+  for (ControlSetting& setting : made)
+    if (!setting.saved_as.empty()) setting.name = setting.saved_as;
   return toConfig(made);
 }
 

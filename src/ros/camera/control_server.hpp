@@ -28,7 +28,8 @@ public:
   /// not have the camera open meanwhile, because some drivers cannot be opened twice.
   std::unique_ptr<FrameSource> open(const Open& open_source);
 
-  /// The settings made so far, under the camera's own names, without implied ones that it has no control for.
+  /// The settings made so far, without implied ones that the camera has no control for: under the camera's own names,
+  /// but for those that have another one to be saved as.
   dynamic_reconfigure::Config settings();
 
 private:
