@@ -4,7 +4,7 @@
 #include <exception>
 #include <utility>
 
-#include "bounded_reading.hpp"
+#include "camera_info.hpp"
 #include "image_message.hpp"
 #include "subscribing_lock.hpp"
 #include "waiting_images.hpp"
@@ -47,13 +47,8 @@ void LatestImageSubscriber::open()
   try
   {
     if (!params_.camera_info_topic.empty())
-    {
-      ros::SubscribeOptions options = boundedOptions<sensor_msgs::CameraInfo>(
-          params_.camera_info_topic, kMaxUnpaired, [this](const auto& info) { onCameraInfo(info); });
-      options.transport_hints = ros::TransportHints().tcpNoDelay();  // otherwise small packets wait for each other
-      const SubscribingLock subscribing;
-      info_subscriber = node_.nh.subscribe(options);
-    }
+      info_subscriber = subscribeToCameraInfo(node_.nh, params_.camera_info_topic, kMaxUnpaired,
+                                              [this](const auto& info) { onCameraInfo(info); });
     images->add(*this, params_.parameters);
   }
   catch (const std::exception& e)
