@@ -54,14 +54,22 @@ def parameters_report(found: Calibration) -> List[str]:
     lines = [f"{found.model}, {found.size[0]}x{found.size[1]}"]
     for name, value, deviation in zip(names, values, found.deviations):
         unit = " px" if name in PARAMETERS else ""
-        known = f"{value:.6g} +- {deviation:.2g}{unit}" if deviation else "0"
-        lines.append(f"  {name} {known}")
+        lines.append(f"  {name} {_known(value, deviation, unit)}")
     return lines
+
+
+def _known(value: float, deviation: float, unit: str) -> str:
+    if deviation == 0.0:
+        return "0"
+    if np.isinf(deviation):
+        return f"{value:.6g}{unit}, which the views do not determine"
+    return f"{value:.6g} +- {deviation:.2g}{unit}"
 
 
 def is_unsure(found: Calibration) -> bool:
     """Whether the views do not tell the focal length well."""
-    return bool(found.deviations[0] > MAX_FOCAL_DEVIATION * found.K[0, 0])
+    focal_lengths = found.K[[0, 1], [0, 1]]
+    return not (found.deviations[:2] <= MAX_FOCAL_DEVIATION * focal_lengths).all()
 
 
 def save(path: str, data: bytes, force: bool) -> str:

@@ -10,6 +10,9 @@ from .boards import Observation
 
 MIN_VIEWS = 5
 FISHEYE_FOCALS = (0.3, 0.4, 0.5, 0.7)  # initial focal lengths, as shares of the image's longer side
+# Of what parameters change in the views, relative to each alone; less is a rounding error.
+MIN_CHANGE = 1e-9
+MIN_SHARE = 1e-3  # of a parameter in what the views do not determine
 MODELS = ("plumb_bob", "rational_polynomial", "equidistant")
 PARAMETERS = ("fx", "fy", "cx", "cy")
 COEFFICIENTS = {
@@ -30,7 +33,8 @@ class Calibration:
         D: The distortion coefficients.
         P: The 3x4 projection matrix in px of a rectified image without invalid pixels.
         deviations: The standard deviations of fx, fy, cx, cy (px) and D, estimated from the
-            residuals; 0 for values that were not estimated.
+            residuals; 0 for values that were not estimated, infinite for those that the views do
+            not determine.
         error: The RMS reprojection error in px.
         errors: The RMS reprojection error of each view in px.
     """
@@ -68,6 +72,8 @@ def calibrate(
         projection = _projection(matrix, distortion, size, model)
     except cv2.error as error:
         raise ValueError(f"the views do not fit a camera ({model}): {error.err}") from None
+    except np.linalg.LinAlgError:
+        raise ValueError(f"the views do not fit a camera ({model})") from None
     if not all(np.isfinite(values).all() for values in (matrix, distortion, errors)):
         raise ValueError(f"the views do not fit a camera ({model})")
     counts = [len(one.points) for one in observations]
@@ -86,16 +92,22 @@ def _solve_pinhole(
         flags = cv2.CALIB_RATIONAL_MODEL
     points = [one.points.astype(np.float32) for one in observations]
     pixels = [one.pixels.astype(np.float32) for one in observations]
-    _, matrix, distortion, _, _, deviations, _, errors = cv2.calibrateCameraExtended(
+    _, matrix, distortion, turns, shifts = cv2.calibrateCamera(
         points, pixels, size, None, None, flags=flags
     )
-    count = len(COEFFICIENTS[model])
-    return (
-        matrix,
-        distortion.ravel()[:count],
-        deviations.ravel()[: len(PARAMETERS) + count],
-        errors.ravel(),
-    )
+    distortion = distortion.ravel()[: len(COEFFICIENTS[model])]
+    is_estimated = np.ones(len(PARAMETERS) + len(distortion), bool)
+    k3 = len(PARAMETERS) + COEFFICIENTS[model].index("k3")
+    is_estimated[k3] = not flags & cv2.CALIB_FIX_K3
+    derivatives, residuals = [], []
+    for one, turn, shift in zip(observations, turns, shifts):
+        expected, jacobian = cv2.projectPoints(one.points, turn, shift, matrix, distortion)
+        residuals.append(one.pixels - expected.reshape(-1, 2))
+        by_camera = jacobian[:, 6:][:, is_estimated]
+        derivatives.append(_without_pose(by_camera, jacobian[:, :6]))
+    deviations = np.zeros(len(is_estimated))
+    deviations[is_estimated] = _deviations(derivatives, residuals)
+    return matrix, distortion, deviations, _rms(residuals)
 
 
 def _solve_fisheye(
@@ -104,12 +116,12 @@ def _solve_fisheye(
     points = [one.points[None].astype(float) for one in observations]
     pixels = [one.pixels[None].astype(float) for one in observations]
     _, matrix, distortion, turns, shifts = _best_fisheye(points, pixels, size)
-    normal, residuals = np.zeros((8, 8)), []
+    derivatives, residuals = [], []
     for on_board, seen, turn, shift in zip(points, pixels, turns, shifts):
         expected, jacobian = cv2.fisheye.projectPoints(on_board, turn, shift, matrix, distortion)
         residuals.append((seen - expected).reshape(-1, 2))
-        normal += _without_pose(jacobian[:, :8], jacobian[:, 8:14])
-    return matrix, distortion.ravel(), _deviations(normal, residuals), _rms(residuals)
+        derivatives.append(_without_pose(jacobian[:, :8], jacobian[:, 8:14]))
+    return matrix, distortion.ravel(), _deviations(derivatives, residuals), _rms(residuals)
 
 
 def _best_fisheye(
@@ -141,14 +153,39 @@ def _best_fisheye(
 
 
 def _without_pose(camera: np.ndarray, pose: np.ndarray) -> np.ndarray:
-    """Returns the information, (8, 8), of a view on the camera, reduced by the view's own pose."""
-    return camera.T @ (camera - pose @ np.linalg.lstsq(pose, camera, rcond=None)[0])
+    """Returns what a view's pose cannot make up for of derivatives by the camera, triangular.
+
+    Its rows stand for the pixels of the view: their products, the information on the camera, are
+    the same.
+    """
+    _require_finite(camera, pose)
+    return np.linalg.qr(camera - pose @ np.linalg.lstsq(pose, camera, rcond=None)[0], "r")
 
 
-def _deviations(normal: np.ndarray, residuals: List[np.ndarray]) -> np.ndarray:
-    values = np.concatenate(residuals).ravel()
-    degrees_of_freedom = max(len(values) - len(normal) - 6 * len(residuals), 1)
-    return np.sqrt(np.diag(np.linalg.pinv(normal)) * (values @ values / degrees_of_freedom))
+def _deviations(derivatives: List[np.ndarray], residuals: List[np.ndarray]) -> np.ndarray:
+    """Returns standard deviations by what each view tells, as _without_pose() has it.
+
+    The singular values are those of the derivatives, as in their products what the coefficients
+    of a lens change would be lost in rounding errors. A pseudo-inverse would not do: what the
+    views do not determine would count as known exactly.
+    """
+    jacobian, values = np.concatenate(derivatives), np.concatenate(residuals).ravel()
+    _require_finite(jacobian)
+    degrees_of_freedom = max(len(values) - jacobian.shape[1] - 6 * len(residuals), 1)
+    scale = np.linalg.norm(jacobian, axis=0)
+    scale[scale == 0.0] = 1.0
+    _, changes, directions = np.linalg.svd(jacobian / scale, full_matrices=False)
+    is_known = changes > MIN_CHANGE
+    known = directions[is_known] / changes[is_known, None]
+    deviations = np.sqrt((known**2).sum(axis=0) * (values @ values) / degrees_of_freedom) / scale
+    deviations[(directions[~is_known] ** 2).sum(axis=0) > MIN_SHARE] = np.inf
+    return deviations
+
+
+def _require_finite(*arrays: np.ndarray) -> None:
+    """Raises LinAlgError where LAPACK might end in an error that NumPy does not know."""
+    if not all(np.isfinite(array).all() for array in arrays):
+        raise np.linalg.LinAlgError("the derivatives must be finite")
 
 
 def _rms(residuals: List[np.ndarray]) -> np.ndarray:

@@ -200,7 +200,7 @@ class CalibrationRun:
         found, problem = None, ""
         try:
             found = calibrate(self._watch.observations, self._watch.size, self._model)
-        except (ValueError, np.linalg.LinAlgError) as error:
+        except ValueError as error:
             problem = error_text(error, 300)
         with self._changed:
             self._found, self._problem, self._solving = found, problem, False
