@@ -54,6 +54,13 @@ def test_corners_stay_without_distortion():
     assert np.abs(rv.without_bent_edges(corners, camera) - corners).max() < 1e-9
 
 
+def test_corners_whose_lines_hardly_meet_stay():
+    """The lens bends two edges so that they go on in almost one line, and meet far away."""
+    corners = [[612.7, 458.0], [595.6, 435.5], [509.8, 322.4], [540.8, 450.6]]
+    camera = rv.CameraModel(640, 480, K, [-0.3, 0.1, 0.0, 0.0, 0.0])
+    assert rv.without_bent_edges(corners, camera).tolist() == corners
+
+
 def by_lines(corners, camera):
     """The intersections of lines that are fitted to points of the edges between the corners."""
     rays = undistorted(corners, camera)

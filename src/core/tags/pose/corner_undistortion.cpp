@@ -12,7 +12,8 @@ namespace
 
 using Corners = std::array<cv::Point2d, 4>;
 
-constexpr int kMinSamples = 16;         // of an edge, as in the library
+constexpr double kMinSamples = 16.0;    // of an edge, as in the library
+constexpr double kMaxSamples = 1000.0;  // of an edge, however far apart its corners are said to be
 constexpr double kSampleSpacing = 8.0;  // px, on long edges
 constexpr int kIterations = 2;          // the second changes a twentieth of what the first does
 
@@ -53,7 +54,8 @@ Corners lineIntersections(const Corners& corners, const CameraModel& camera)
   {
     const cv::Point2d &begin = corners[i], &end = corners[(i + 1) % corners.size()];
     const cv::Point2d from = camera.ray(begin), to = camera.ray(end);
-    const int samples = std::max(kMinSamples, static_cast<int>(cv::norm(end - begin) / kSampleSpacing));
+    const double wanted = std::min(kMaxSamples, cv::norm(end - begin) / kSampleSpacing);
+    const int samples = static_cast<int>(std::max(kMinSamples, wanted));
     std::vector<cv::Point2d> points;
     for (int s = 1; s <= samples; ++s)
     {
@@ -68,18 +70,28 @@ Corners lineIntersections(const Corners& corners, const CameraModel& camera)
   return intersections;
 }
 
+double longestEdge(const Corners& corners)
+{
+  double longest = 0.0;
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    longest = std::max(longest, cv::norm(corners[(i + 1) % corners.size()] - corners[i]));
+  return longest;
+}
+
 }  // namespace
 
 std::array<cv::Point2d, 4> withoutBentEdges(const std::array<cv::Point2d, 4>& corners, const CameraModel& camera)
 {
   Corners corrected = corners;
+  const double max_shift = longestEdge(corners);
   for (int round = 0; round < kIterations; ++round)
   {
     const Corners intersections = lineIntersections(corrected, camera);
     for (std::size_t i = 0; i < corners.size(); ++i)
     {
-      corrected[i] += corners[i] - intersections[i];
-      if (!std::isfinite(cv::norm(corrected[i]))) return corners;
+      const cv::Point2d shift = corners[i] - intersections[i];
+      if (!(cv::norm(shift) <= max_shift)) return corners;  // or it is NaN
+      corrected[i] += shift;
     }
   }
   return corrected;
