@@ -51,14 +51,14 @@ def robot(monkeypatch):
 
 
 def test_stops_a_timeout_after_the_stamp_of_the_frame(robot):
-    robot.drive.command(0.2, 0.0, seen=robot.now - 8.9)
+    assert robot.drive.command(0.2, 0.0, seen=robot.now - 8.9)
     assert robot.sent == [0.2]
     assert robot.watch(until=101.0) == []
     assert set(robot.watch(until=101.3)) == {0.0}
 
 
 def test_does_not_drive_on_a_frame_that_has_become_too_old(robot):
-    robot.drive.command(0.2, 0.0, seen=robot.now - 10.1)
+    assert not robot.drive.command(0.2, 0.0, seen=robot.now - 10.1)
     assert robot.sent == []
     assert set(robot.watch(until=101.0)) == {0.0}
 
@@ -71,7 +71,7 @@ def test_stamp_in_the_future_counts_as_now(robot):
 
 def test_drives_only_while_it_is_enabled(robot):
     robot.drive.enabled = False
-    robot.drive.command(0.2, 0.0, seen=robot.now)
+    assert robot.drive.command(0.2, 0.0, seen=robot.now)  # which is no fault of the frame
     assert robot.sent == []
     assert set(robot.watch(until=101.0)) == {0.0}
 
@@ -107,18 +107,37 @@ class Server:
         callback(dict(values), 0)
 
 
-def test_the_follower_saw_a_frame_at_its_stamp_not_when_it_came(monkeypatch):
-    driven = MagicMock(enabled=True)
-    monkeypatch.setattr(line_follower, "Drive", lambda _: driven)
+@pytest.fixture
+def follower(monkeypatch):
+    """A LineFollower whose Drive only notes commands, 8.9 s after the stamp of frame()."""
+    monkeypatch.setattr(line_follower, "Drive", lambda _: MagicMock(enabled=True))
     monkeypatch.setattr(live_params, "_Server", Server)
     monkeypatch.setattr(transport, "node_images", MagicMock())
     for name in ("Publisher", "Service", "get_name"):
         monkeypatch.setattr(rospy, name, MagicMock())
     use_params(monkeypatch, {"~timeout": 10.0})
-    follower = line_follower.LineFollower()
     monkeypatch.setattr(rospy, "get_time", lambda: 108.9)
-    monkeypatch.setattr(line_follower.time, "monotonic", lambda: 50.0)
+    return line_follower.LineFollower()
+
+
+def frame():
     header = Header(stamp=rospy.Time(100))
-    follower._process(transport.Frame(np.zeros((48, 64, 3), np.uint8), "bgr8", header, None))
-    ((_, _, seen),) = (call[0] for call in driven.command.call_args_list)
+    return transport.Frame(np.zeros((48, 64, 3), np.uint8), "bgr8", header, None)
+
+
+def test_the_follower_saw_a_frame_at_its_stamp_not_when_it_came(follower, monkeypatch):
+    monkeypatch.setattr(line_follower.time, "monotonic", lambda: 50.0)
+    follower._process(frame())
+    ((_, _, seen),) = (call[0] for call in follower._drive.command.call_args_list)
     assert seen == pytest.approx(50.0 - 8.9)
+
+
+def test_frames_that_become_too_old_while_they_are_processed_are_refused(follower, monkeypatch):
+    """So that diagnostics tell why the robot stands."""
+    clock = iter(50.0 + 1.2 * np.arange(9.0))
+    monkeypatch.setattr(line_follower.time, "monotonic", lambda: next(clock))
+    monkeypatch.setattr(rospy, "logwarn_throttle", MagicMock())
+    follower._drive.command.return_value = False
+    with pytest.raises(transport.ReportedFrameError, match=r"frames are 10\.10 s old: they"):
+        follower._process(frame())
+    assert follower._lines.publish.call_count == 1

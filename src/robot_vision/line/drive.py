@@ -46,7 +46,7 @@ class Drive:
             rospy.logwarn("stopped by the parameter ~enabled: the service ~enable lets it drive")
         self._thread.start()
 
-    def command(self, linear: float, angular: float, seen: float) -> None:
+    def command(self, linear: float, angular: float, seen: float) -> bool:
         """Sends a command, unless the observation it is based on is too old by now.
 
         Args:
@@ -54,12 +54,17 @@ class Drive:
             angular: The turn to the left in rad/s.
             seen: The time of the observation in s of time.monotonic(). On a busy machine it may
                 have become too old while it was processed.
+
+        Returns:
+            Whether the observation is not too old, also if the drive is disabled.
         """
         with self._lock:
             now = time.monotonic()
             self._seen = min(seen, now)
-            if not self._ended and not must_stop(now, self._seen, self.enabled, self.timeout):
+            is_fresh = not must_stop(now, self._seen, True, self.timeout)
+            if is_fresh and self.enabled and not self._ended:
                 self._send(linear, angular)
+        return is_fresh
 
     def _watch(self) -> None:
         while not self._ended:

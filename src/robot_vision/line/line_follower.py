@@ -79,7 +79,8 @@ class LineFollower:
         elif self._is_another(frame.header.stamp) and not late:
             # Where frames have no stamps the clock of ROS may stand still, too.
             stamp = frame.header.stamp.to_sec() or began
-            self._drive.command(*controller.update(stamp, line), began - age)
+            late = not self._drive.command(*controller.update(stamp, line), began - age)
+            age += time.monotonic() - began
         self._publish(frame, line, top)
         self._roi.publish(frame.image[top:], "bgr8", frame.header)
         self._mask.publish(mask, "mono8", frame.header)
