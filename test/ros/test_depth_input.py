@@ -95,6 +95,31 @@ def test_the_first_depth_is_on_its_way_until_it_can_be_compared(monkeypatch):
     assert not depths.may_begin()
 
 
+def test_the_reason_why_images_have_no_depth_is_the_newest(monkeypatch):
+    node = Node()
+    depths = input_of(monkeypatch, node, lambda *_: None)
+    depths.offer(at(1.0), "image")
+    assert depths.problem() == ""
+    with pytest.raises(FrameError) as refused:
+        depths._on_depth(at(1.0))
+    assert depths.problem() == f"depth on /camera/depth: {refused.value}"
+    depths._on_depth(at(1.0, DEPTH))
+    assert depths.problem() == ""
+    stranger = Header(stamp=rospy.Time(1.1), frame_id="eye")
+    with pytest.raises(FrameError):
+        depths._on_depth(Frame(DEPTH.image, "32FC1", stranger))
+    assert "its frame is 'eye', must be that of the images on /camera/image" in depths.problem()
+    node.lack = "no depth on /camera/depth for 3 s"
+    assert depths.problem() == node.lack
+    node.lack = ""
+    depths.clear()
+    assert depths.problem() == ""
+    for second in range(2, 40):
+        depths.offer(at(second), "image")
+        depths._on_depth(at(second + 0.5, DEPTH))
+    assert depths.problem().startswith("the stamps on /camera/image and /camera/depth do not meet")
+
+
 def test_without_a_topic_no_depth_is_on_its_way(monkeypatch):
     assert not input_of(monkeypatch, Node(), None, topic="").may_begin()
 

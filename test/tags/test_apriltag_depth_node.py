@@ -293,7 +293,8 @@ def test_depth_that_cannot_be_is_told_and_left_out(start, what):
 
 
 def test_a_camera_that_does_not_fit_is_named(start):
-    studio = DepthStudio(start)
+    studio = DepthStudio(start, "_diagnostic_period:=0.01")
+    diagnostics = support.Messages("/diagnostics", DiagnosticArray)
 
     def told(said):
         def is_there():
@@ -312,6 +313,8 @@ def test_a_camera_that_does_not_fit_is_named(start):
     studio.depth_info = calibrated(320, 240, HALF)
     of = f"camera_info on {studio.depth_topic.replace('image', 'camera_info')}: "
     told(f"{refused}{of}camera_info is of 320x240, the image 640x480")
+    reasons = {one.message for one in statuses(diagnostics, DiagnosticStatus.WARN)}
+    assert any("is it registered?" in reason for reason in reasons), reasons
     studio.depth_info = calibrated()
     studio.show_both_until(is_fused, SCENERY, GOOD)
 

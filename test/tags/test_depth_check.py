@@ -190,15 +190,15 @@ def test_with_other_parameters_of_depths_all_is_compared_anew(exact):
 
 
 class Node:
-    """What a DepthReport uses of an ImageNode."""
+    """What a DepthReport uses of an ImageNode and its DepthInput."""
 
+    topic = "/depth"
     lack = ""
 
     def on_idle(self, release):
         self.end_work = release
 
-    def missing(self, only):
-        assert only == "depth"
+    def problem(self):
         return self.lack
 
 
@@ -217,7 +217,7 @@ def test_a_status_tells_what_is_missing_and_how_old_it_is(monkeypatch, exact):
     monkeypatch.setattr(depth_report, "StatusTopic", Status)
     monkeypatch.setattr(depth_report.time, "monotonic", lambda: now[0])
     node = Node()
-    report = depth_report.DepthReport(node, "/depth")
+    report = depth_report.DepthReport(node, node)
 
     def told(seconds):
         now[0] += seconds

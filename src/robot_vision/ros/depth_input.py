@@ -81,6 +81,7 @@ class DepthInput:
         self._rectified = False
         self._first: Optional[float] = None  # s of the monotonic clock, of the first depth
         self._has_begun = False  # whether a depth could be compared with the images
+        self._refusal = ""  # what is wrong with the newest depth that could be compared
         self._is_missing = False  # whether that was said
         self._missing, self._apart = Throttle(60.0), Throttle(10.0)
         transport = read_param("depth_image_transport", "auto")
@@ -119,10 +120,15 @@ class DepthInput:
             return False
         return not self._node.missing(START_TIMEOUT, only="depth")
 
+    def problem(self) -> str:
+        """Returns, in a line that names the topic, why images have no depth; empty if they have."""
+        apart = self._pairs.problem(self._node.topic, self.topic)
+        return self._node.missing(only="depth") or self._refusal or apart
+
     def clear(self) -> None:
         """Forgets the images that wait."""
         self._pairs.clear()
-        self._has_begun = False
+        self._has_begun, self._refusal = False, ""
         self._of_images = self._info = self._first = None
 
     def _on_info(self, info: CameraInfo) -> None:
@@ -138,7 +144,12 @@ class DepthInput:
         if waits and now - self._first < INFO_TIMEOUT:
             return
         self._has_begun = True
-        depth = self._usable(frame, frame_id, size)
+        try:
+            depth = self._usable(frame, frame_id, size)
+        except FrameError as error:
+            self._refusal = f"depth on {self.topic}: {error}"
+            raise
+        self._refusal = ""
         if self._is_missing:
             self._is_missing = False
             rospy.loginfo("depth from now on: %s", self.topic)

@@ -62,7 +62,7 @@ class ApriltagDetector:
         self._depth_errors = DepthErrorParams()
         self._node = ImageNode(self._search, encoding="", idle=lambda: self._depth.clear())
         self._depth = DepthInput(self._node, self._process, WITHOUT_DEPTH)
-        self._depth_report = DepthReport(self._node, self._depth.topic)
+        self._depth_report = DepthReport(self._node, self._depth)
         self._params = LiveParams(ApriltagDetectorConfig, self._configure)
         self._calibration = CameraInfoListener(self._node, "poses of tags")
         self._tags = self._node.publisher("~tags", TagDetectionArray)

@@ -8,6 +8,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 
 from .. import CameraModel, DepthErrorParams, TagPoseParams
 from ..common.throttle import Throttle
+from ..ros.depth_input import DepthInput
 from ..ros.image_node import ImageNode
 from ..ros.status_topic import StatusTopic
 from .depth_check import DepthCheck
@@ -24,7 +25,7 @@ class DepthReport:
 
     Args:
         node: The node.
-        topic: The topic of the depth images; without one, nothing is published.
+        depth: The depth images; without a topic of them, nothing is published.
 
     Attributes:
         max_error: The error of a depth, in m, from which on the status is a warning.
@@ -33,10 +34,9 @@ class DepthReport:
         ValueError: ~diagnostic_period is out of range.
     """
 
-    def __init__(self, node: ImageNode, topic: str):
+    def __init__(self, node: ImageNode, depth: DepthInput):
         self.max_error = 0.0
-        self._node = node
-        self._topic = topic
+        self._depth = depth
         self._check = DepthCheck()
         self._last_shown = 0.0  # s of the monotonic clock, when a depth image has shown a tag
         self._warnings = Throttle(10.0)
@@ -54,18 +54,18 @@ class DepthReport:
         if self._check.add(tags, camera, noise, depth_noise):
             self._last_shown = time.monotonic()
         if self._check.rejects() and self._warnings.due():
-            rospy.logwarn("%s", misfit(self._check, self._topic))
+            rospy.logwarn("%s", misfit(self._check, self._depth.topic))
 
     def publish(self) -> None:
         """Publishes the status if it is due."""
-        if self._topic:
+        if self._depth.topic:
             self._status.publish(lambda: (*self._summary(), values(self._check)))
 
     def _summary(self) -> Tuple[int, str]:
-        missing = self._node.missing(only="depth")
-        if missing:
-            return DiagnosticStatus.WARN, missing
-        level, text = summary(self._check, self._topic, self.max_error)
+        problem = self._depth.problem()
+        if problem:
+            return DiagnosticStatus.WARN, problem
+        level, text = summary(self._check, self._depth.topic, self.max_error)
         silent = time.monotonic() - self._last_shown
         if self._check.left_out()[1] and silent >= SILENCE:
             text += f"; no tag was seen with depth for {silent:.0f} s"
