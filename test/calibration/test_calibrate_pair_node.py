@@ -141,6 +141,7 @@ def write_bag(path, pairs, late=0.0):
         info = CameraInfo(width=640, height=480, distortion_model="plumb_bob")
         truth = CalibrationScene().camera
         info.K, info.D = truth.K.ravel(), truth.D
+        info.binning_x = info.binning_y = 2  # which some drivers tell of the images themselves
         made.write("/eyes/left/camera_info", info, rospy.Time(1))
 
 

@@ -1,7 +1,7 @@
 """The part of calibrate_headless.py that calibrates a stereo pair."""
 
 import argparse
-from typing import Iterator, List, Sequence, Tuple
+from typing import Dict, Iterator, List, Sequence, Tuple
 
 import cv2
 import numpy as np
@@ -10,6 +10,7 @@ from .. import CameraModel, RectifiedCamera
 from ..common.file_sets import add_files, replace_files
 from ..common.files import make_folder, require_replaceable
 from ..recordings.image_pairs import NamedPair, pairs_from_bag, pairs_from_files, pairs_from_topics
+from ..ros.camera_info import size_words
 from ..ros.startup import become_node
 from .camera_file import camera_yaml
 from .coverage import coverage_image, seen_cells
@@ -24,7 +25,7 @@ from .headless_steps import (
     service_of,
     set_camera_info,
 )
-from .known_cameras import known_camera
+from .known_cameras import known_cameras
 from .pair_solving import PairCalibration, calibrate_pair
 from .pair_views import PairCollection
 from .solving import calibrate
@@ -47,7 +48,7 @@ def calibrate_two_cameras(arguments: argparse.Namespace) -> None:
     nodes = [f"{arguments.set}/{side}" for side in SIDES] if arguments.set else []
     for node in nodes:
         require_service(service_of(node))
-    known = [known_camera(source, arguments.bag) for source in arguments.keep or ()]
+    known = [known_cameras(source, arguments.bag) for source in arguments.keep or ()]
     pairs = PairCollection(arguments.found, arguments.turns, arguments.most, arguments.max_blur)
     collect(_images(arguments), pairs)
     print(pairs.summary(), flush=True)
@@ -72,15 +73,15 @@ def _images(arguments: argparse.Namespace) -> Iterator[NamedPair]:
 
 
 def _kept(
-    arguments: argparse.Namespace, known: Sequence[CameraModel], size: Tuple[int, int]
-) -> Sequence[CameraModel]:
-    for source, camera in zip(arguments.keep, known):
-        if (camera.width, camera.height) != size:
-            raise ValueError(
-                f"{source} is of images of {camera.width}x{camera.height}, these have "
-                f"{size[0]}x{size[1]}"
-            )
-    return known
+    arguments: argparse.Namespace,
+    known: Sequence[Dict[Tuple[int, int], CameraModel]],
+    size: Tuple[int, int],
+) -> List[CameraModel]:
+    for source, cameras in zip(arguments.keep, known):
+        if size not in cameras:
+            sizes = size_words(cameras), size_words([size])
+            raise ValueError(f"{source} is of images of {sizes[0]}, these have {sizes[1]}")
+    return [cameras[size] for cameras in known]
 
 
 def _found(arguments: argparse.Namespace, pairs: PairCollection) -> List[CameraModel]:

@@ -1,6 +1,6 @@
 """Cameras that are calibrated already, from files, topics and bags."""
 
-from typing import Optional
+from typing import Dict, Optional, Tuple
 
 import rospy
 from sensor_msgs.msg import CameraInfo
@@ -8,15 +8,17 @@ from sensor_msgs.msg import CameraInfo
 from .. import CameraModel
 from ..common.errors import about
 from ..recordings.bag_images import messages_on, opened, require_topic, topics_of
-from ..ros.camera_info import camera_model, image_size
+from ..ros.camera_info import cameras_of
 from .camera_file import read_camera
 
 TIMEOUT = 5.0  # s, longest wait for a camera_info
 SUFFIXES = (".yaml", ".yml")
 
 
-def known_camera(source: str, bag: Optional[str] = None) -> CameraModel:
-    """Returns the camera of a calibration file, or of a topic of camera_info.
+def known_cameras(source: str, bag: Optional[str] = None) -> Dict[Tuple[int, int], CameraModel]:
+    """Returns the camera of a calibration file, or of a topic of camera_info, by its images' size.
+
+    A camera_info may be of images of two sizes, see cameras_of().
 
     Args:
         source: The path of a file that ends in .yaml or .yml, or a topic.
@@ -28,10 +30,11 @@ def known_camera(source: str, bag: Optional[str] = None) -> CameraModel:
         OSError: The file or the bag cannot be read.
     """
     if source.endswith(SUFFIXES):
-        return read_camera(source)
+        camera = read_camera(source)
+        return {(camera.width, camera.height): camera}
     info = _recorded(source, bag) if bag else _published(source)
     with about(f"camera_info on {source}"):
-        return camera_model(info, image_size(info))
+        return cameras_of(info)
 
 
 def _recorded(topic: str, bag: str) -> CameraInfo:

@@ -2,13 +2,14 @@
 
 from collections import Counter
 from typing import Counter as Counts
-from typing import Iterable, Optional
+from typing import Dict, Iterable, Optional, Tuple
 
 import numpy as np
 
 from .. import CameraModel, to_gray
 from ..common import opencv as cv2
 from ..common.progress import Progress
+from ..ros.camera_info import size_words
 from .capture_mask import PixelRays, Space, metres_of, object_mask, sharpness, touches_border
 from .capture_plate import Plate
 from .capture_sources import Images, Shot
@@ -31,7 +32,7 @@ class CaptureRun:
         session: The session that they belong to, which is added with the first of them.
         plate: The plate.
         space: Where the object is above it.
-        camera: The camera.
+        cameras: The cameras that the images may have, by their size; the first one tells which.
         views: From how many directions.
         replace: Whether earlier sessions are deleted when the first view is stored.
         progress: What tells how far it is.
@@ -43,7 +44,7 @@ class CaptureRun:
         session: Session,
         plate: Plate,
         space: Space,
-        camera: CameraModel,
+        cameras: Dict[Tuple[int, int], CameraModel],
         views: int,
         replace: bool,
         progress: Progress,
@@ -52,7 +53,7 @@ class CaptureRun:
         self._session = session
         self._finder = PlateFinder(plate)
         self._space = space
-        self._camera = camera
+        self._cameras = cameras
         self._rays = PixelRays()
         self._views = ViewCollection(views)
         self._replace = replace
@@ -105,11 +106,12 @@ class CaptureRun:
                 raise ValueError(f"{shot.name}: {error}") from None
             return None
         self._usable += 1
-        found = self._finder.find(image, depth, self._camera)
+        (camera,) = self._cameras.values()
+        found = self._finder.find(image, depth, camera)
         if found.pose is None:
             self._problems[found.problem] += 1
             return None
-        mask = object_mask(depth, self._rays.of(self._camera), found.pose, self._space)
+        mask = object_mask(depth, self._rays.of(camera), found.pose, self._space)
         if np.count_nonzero(mask) < MIN_PIXELS:
             self._problems["there is nothing on the plate, or it has no depth"] += 1
             return None
@@ -117,16 +119,17 @@ class CaptureRun:
             self._problems["not all of the object is in the image"] += 1
             return None
         sharp = sharpness(to_gray(image, "bgr8"), mask)
-        return View(shot.time, self._frames, image, depth, mask, self._camera, found.pose, sharp)
+        return View(shot.time, self._frames, image, depth, mask, camera, found.pose, sharp)
 
     def _images_of(self, shot: Shot) -> Images:
         """Returns the images of a frame; raises ValueError if they cannot be used."""
         image, depth = shot.read()
-        size = (self._camera.height, self._camera.width)
         for name, pixels in (("image", image), ("depth", depth)):
-            if pixels.shape[:2] != size:
-                sizes = ["{1}x{0}".format(*one) for one in (pixels.shape, size)]
+            size = pixels.shape[1::-1]
+            if size not in self._cameras:
+                sizes = size_words([size]), size_words(self._cameras)
                 raise ValueError(f"its {name} is of {sizes[0]}, camera_info of {sizes[1]}")
+            self._cameras = {size: self._cameras[size]}
         return image, depth
 
     def _store(self, view: Optional[View]) -> None:

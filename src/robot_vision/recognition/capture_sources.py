@@ -2,13 +2,13 @@
 
 import functools
 import os
-from typing import Any, Callable, Iterator, NamedTuple, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterator, NamedTuple, Sequence, Tuple
 
 import numpy as np
 from sensor_msgs.msg import Image
 
 from .. import CameraModel, is_equidistant, to_bgr
-from ..calibration.known_cameras import known_camera
+from ..calibration.known_cameras import known_cameras
 from ..common import opencv as cv2
 from ..common.depth_encodings import require_depths
 from ..common.files import MAX_IMAGE, read_file
@@ -39,8 +39,8 @@ class Shot(NamedTuple):
     read: Callable[[], Images]
 
 
-def camera_of(camera_info: str, bag: str, folder: str) -> CameraModel:
-    """Returns the camera: of a topic, in a bag if there is one, or of a file.
+def capture_cameras(camera_info: str, bag: str, folder: str) -> Dict[Tuple[int, int], CameraModel]:
+    """Returns the camera by its images' size: of a topic, in a bag if there is one, or of a file.
 
     Raises:
         OSError: A file or the bag cannot be read.
@@ -48,13 +48,14 @@ def camera_of(camera_info: str, bag: str, folder: str) -> CameraModel:
     """
     if folder and not camera_info:
         camera_info = os.path.join(folder, CAMERA_FILE)
-    camera = known_camera(camera_info, bag or None)
-    if is_equidistant(camera.distortion_model):
-        raise ValueError(
-            f"camera_info of {camera_info}: the lens is {camera.distortion_model}, must be "
-            "plumb_bob or rational_polynomial: take rectified images"
-        )
-    return camera
+    cameras = known_cameras(camera_info, bag or None)
+    for camera in cameras.values():
+        if is_equidistant(camera.distortion_model):
+            raise ValueError(
+                f"camera_info of {camera_info}: the lens is {camera.distortion_model}, must be "
+                "plumb_bob or rational_polynomial: take rectified images"
+            )
+    return cameras
 
 
 def shots_from_folder(folder: str) -> Iterator[Shot]:

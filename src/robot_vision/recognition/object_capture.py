@@ -16,7 +16,7 @@ from .capture_plate import Plate, plate_of, read_plate_bundle
 from .capture_run import CaptureRun
 from .capture_sources import (
     Shot,
-    camera_of,
+    capture_cameras,
     shots_from_bag,
     shots_from_folder,
     shots_from_topics,
@@ -82,12 +82,12 @@ def _run(
     """Returns the run, whose camera is known once there is a node, if there has to be one."""
     if not arguments.folder and not arguments.bag:
         become_node("object_capture")
-    camera = camera_of(arguments.camera_info, arguments.bag, arguments.folder)
+    cameras = capture_cameras(arguments.camera_info, arguments.bag, arguments.folder)
     space = Space(plate.radius, arguments.floor, arguments.height)
     store: Optional[Database] = database if arguments.commit else None
     session = Session(one.id, arguments.folder or arguments.bag or arguments.image)
     return CaptureRun(
-        store, session, plate, space, camera, arguments.views, arguments.replace, Progress()
+        store, session, plate, space, cameras, arguments.views, arguments.replace, Progress()
     )
 
 

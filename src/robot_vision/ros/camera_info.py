@@ -2,7 +2,7 @@
 
 import threading
 import time
-from typing import Any, Optional, Tuple
+from typing import Any, Dict, Iterable, Optional, Tuple
 
 import numpy as np
 import rospy
@@ -158,6 +158,24 @@ def image_size(info: CameraInfo) -> Tuple[int, int]:
     whole = not (info.roi.width and info.roi.height)
     width, height = (info.width, info.height) if whole else (info.roi.width, info.roi.height)
     return width // max(info.binning_x, 1), height // max(info.binning_y, 1)
+
+
+def cameras_of(info: CameraInfo) -> Dict[Tuple[int, int], CameraModel]:
+    """Returns the cameras that images may have, by the sizes of these, (width, height) in px.
+
+    Some drivers tell the binning, or the region, although camera_info is of the images themselves.
+
+    Raises:
+        ValueError: The camera is not calibrated, or its distortion model is not known here.
+    """
+    return {
+        size: camera_model(info, size) for size in (image_size(info), (info.width, info.height))
+    }
+
+
+def size_words(sizes: Iterable[Tuple[int, int]]) -> str:
+    """Returns sizes of which images have one, for messages: 320x240 or 640x480."""
+    return " or ".join("{}x{}".format(*size) for size in sizes)
 
 
 def camera_model(info: CameraInfo, size: Tuple[int, int], rectified: bool = False) -> CameraModel:

@@ -19,7 +19,7 @@ from ..recordings.bag_images import (
     require_topic,
     topics_of,
 )
-from ..ros.camera_info import camera_model, image_size
+from ..ros.camera_info import cameras_of, size_words
 from ..ros.transport import camera_info_beside
 from .frame_collection import FrameCollection
 
@@ -52,19 +52,9 @@ def collect_from_bag(
         require_topic(path, kinds, camera_info, [CameraInfo._type], "camera_info")
         info = next(messages_on(bag, camera_info))
         with about(f"{path}: camera_info on {camera_info}"):
-            cameras = _cameras_of(info)
+            cameras = cameras_of(info)
         _collect(bag, arguments, cameras, collection, progress)
         return next(iter(cameras.values()))
-
-
-def _cameras_of(info: CameraInfo) -> Dict[Tuple[int, int], CameraModel]:
-    """Returns the cameras that images may have, by their sizes.
-
-    Some drivers tell the binning, or the region, although camera_info is of the images themselves.
-    """
-    return {
-        size: camera_model(info, size) for size in (image_size(info), (info.width, info.height))
-    }
 
 
 def _collect(
@@ -86,10 +76,8 @@ def _collect(
                 tags = detector.detect(gray, "mono8")
             size = gray.shape[1::-1]
             if size not in cameras:
-                known = " or ".join("{}x{}".format(*one) for one in cameras)
-                raise ValueError(
-                    f"camera_info is of {known}, {name} on {image} {size[0]}x{size[1]}"
-                )
+                sizes = size_words(cameras), size_words([size])
+                raise ValueError(f"camera_info is of {sizes[0]}, {name} on {image} {sizes[1]}")
             for other in cameras.keys() - {size}:
                 del cameras[other]
             collection.add(cameras[size], [(tag.id, np.asarray(tag.corners)) for tag in tags])
