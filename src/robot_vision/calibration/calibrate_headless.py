@@ -56,7 +56,8 @@ def _calibrate(arguments: argparse.Namespace) -> None:
     if views.offered == views.unusable:
         raise ValueError("there were no images" + " that can be used" * (views.unusable > 0))
     if not views.views:
-        raise ValueError(f"no image shows the board well: is --size {arguments.size} right?")
+        size = "{}x{}".format(*arguments.size)
+        raise ValueError(f"no image shows the board well: is --size {size} right?")
     observations = [view.observation for view in views.views]
     found = calibrate(observations, views.size, arguments.model, arguments.k3)
     print(_report(found, views), flush=True)

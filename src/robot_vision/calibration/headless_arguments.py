@@ -4,9 +4,9 @@ import argparse
 import itertools
 import os
 import re
-from typing import Callable, Sequence, Tuple
+from typing import Callable, Sequence
 
-from ..common.arguments import command_parser, number_within, parse_completely
+from ..common.arguments import board_size, command_parser, number_within, parse_completely
 from .board_pose import quarter_turns
 from .boards import BOARDS, Board
 from .camera_file import default_path
@@ -79,6 +79,7 @@ def _add_board(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--size",
         required=True,
+        type=board_size,
         metavar="WxH",
         help="inner corners of a chessboard (one less than squares), circles, or squares of a "
         "ChArUco board",
@@ -134,7 +135,7 @@ def _complete(arguments: argparse.Namespace) -> None:
             f"argument --camera-name: is '{arguments.camera_name}', must be letters, digits and _"
         )
     arguments.found = _board(arguments)
-    arguments.turns = quarter_turns(arguments.board, *_size(arguments.size), arguments.found)
+    arguments.turns = quarter_turns(arguments.board, *arguments.size, arguments.found)
     _complete_outputs(arguments)
 
 
@@ -173,12 +174,11 @@ def _unused(stem: str, files: Callable[[str], Sequence[str]]) -> str:
 
 
 def _board(arguments: argparse.Namespace) -> Board:
-    columns, rows = _size(arguments.size)
     of_charuco = (arguments.marker, arguments.dictionary)
     if arguments.board != "charuco":
         if any(of_charuco):
             raise ValueError(f"--marker and --dictionary are of charuco, not of {arguments.board}")
-        return BOARDS[arguments.board](columns, rows, arguments.square)
+        return BOARDS[arguments.board](*arguments.size, arguments.square)
     if not all(of_charuco):
         raise ValueError("a ChArUco board has --marker and --dictionary")
     if arguments.marker >= arguments.square:
@@ -186,11 +186,4 @@ def _board(arguments: argparse.Namespace) -> Board:
             f"argument --marker: is {arguments.marker:g}, must be less than --square, "
             f"{arguments.square:g}"
         )
-    return BOARDS["charuco"](columns, rows, arguments.square, *of_charuco)
-
-
-def _size(text: str) -> Tuple[int, int]:
-    match = re.fullmatch("([0-9]{1,2})x([0-9]{1,2})", text)
-    if not match or min(map(int, match.groups())) < 3:
-        raise ValueError(f"argument --size: is '{text}', must be as 8x6, 3 to 99 each")
-    return int(match[1]), int(match[2])
+    return BOARDS["charuco"](*arguments.size, arguments.square, *of_charuco)

@@ -1,7 +1,8 @@
 """What the command lines of the commands have in common."""
 
 import argparse
-from typing import Any, Callable, Sequence
+import re
+from typing import Any, Callable, Sequence, Tuple
 
 
 def command_parser(program: str, description: str, examples: str) -> argparse.ArgumentParser:
@@ -52,3 +53,11 @@ def number_within(
 
     checked.__name__ = "integer" if kind is int else "number"  # for argparse's error messages
     return checked
+
+
+def board_size(text: str) -> Tuple[int, int]:
+    """Converts WxH of a calibration board to two numbers, for argparse."""
+    match = re.fullmatch("([0-9]{1,2})x([0-9]{1,2})", text)
+    if not match or min(map(int, match.groups())) < 3:
+        raise argparse.ArgumentTypeError(f"'{text}' must be as 8x6, 3 to 99 each")
+    return int(match[1]), int(match[2])

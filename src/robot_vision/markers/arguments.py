@@ -1,11 +1,10 @@
 """The arguments of create_marker.py."""
 
 import argparse
-import re
-from typing import Sequence, Tuple
+from typing import Sequence
 
 from .._core import tag_families
-from ..common.arguments import command_parser, number_within, parse_completely
+from ..common.arguments import board_size, command_parser, number_within, parse_completely
 from .board import BOARD_PAGES, BOARDS
 from .marker import LEVELS
 from .sheet import PAGES
@@ -93,7 +92,7 @@ def add_boards(parser: argparse.ArgumentParser) -> None:
         "charuco": "squares of a checkerboard with ArUco markers in the white ones",
     }
     for kind in BOARDS:
-        kinds.add_argument(f"--{kind}", type=counts, metavar="WxH", help=counted[kind])
+        kinds.add_argument(f"--{kind}", type=board_size, metavar="WxH", help=counted[kind])
     group.add_argument(
         "--square",
         type=LENGTH,
@@ -110,14 +109,6 @@ def add_boards(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--dictionary", metavar="NAME", help="of the ChArUco markers (default: 4x4_50)"
     )
-
-
-def counts(text: str) -> Tuple[int, int]:
-    """Converts WxH to two numbers."""
-    match = re.fullmatch("([0-9]{1,2})x([0-9]{1,2})", text)
-    if not match or min(map(int, match.groups())) < 3:
-        raise argparse.ArgumentTypeError(f"'{text}' must be as 8x6, 3 to 99 each")
-    return int(match[1]), int(match[2])
 
 
 def complete(arguments: argparse.Namespace) -> None:
