@@ -309,12 +309,14 @@ def test_stamps_that_never_meet_are_told_with_both_topics(start, diagnostics):
     said = f"the stamps on {watched.topics()} do not meet: the nearest are 0.25 s apart, must be"
     watched.shown_until(f"{said} at most slop, 0.02 s", face(), late=0.25)
 
-    def is_state():
-        watched.show([face()], late=0.25)
+    def is_state(late, text):
+        watched.show([face()], late=late)
         status = diagnostics.next("places")
-        return status.level == DiagnosticStatus.WARN and said in status.message
+        return status.level == DiagnosticStatus.WARN and text in status.message
 
-    support.wait_for(is_state, "a warning in the diagnostics")
+    support.wait_for(lambda: is_state(0.25, said), "a warning in the diagnostics")
+    later = f"what comes on {watched.found.topic} is too late for {watched.depth.topic}: the last"
+    support.wait_for(lambda: is_state(5.0, later), "another warning for what comes seconds late")
     assert counts(diagnostics)[1:] == (0, 0)
     assert not watched.outputs["/places/detections"].received
     assert watched.answer([face()], late=0.015).detections

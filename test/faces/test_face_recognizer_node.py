@@ -27,8 +27,9 @@ from robot_vision.faces.face_recognizer import messages_of
 from robot_vision.faces.gallery import CACHE, Gallery
 from robot_vision.faces.identities import MEMORY, Identity
 from robot_vision.msg import Detection, DetectionArray, FaceIdentityArray
-from robot_vision.ros.frame_pairs import MAX_BYTES, FramePairs
+from robot_vision.ros.frame_pairs import FramePairs
 from robot_vision.ros.messages import region_of
+from robot_vision.ros.recent import MAX_BYTES
 from robot_vision.srv import EnrollFace, EnrollFolder, ForgetName, ListNames
 from robot_vision.transport import Frame
 

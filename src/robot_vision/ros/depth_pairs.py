@@ -3,7 +3,7 @@
 import collections
 from typing import Any, Deque, Generic, List, Optional, Tuple, TypeVar
 
-from .frame_pairs import MAX_BYTES
+from .recent import MAX_BYTES
 from .stamp_limit import StampLimit
 
 Image = TypeVar("Image")  # what is known of an image; it has a header

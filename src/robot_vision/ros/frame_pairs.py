@@ -1,15 +1,12 @@
 """Pairs of frames and the messages about them that another node publishes."""
 
-import collections
 import math
 import threading
-from typing import Any, Deque, Optional
+from typing import Any, Optional
 
+from .recent import Recent
 from .transport import Frame
 
-MAX_LAG = 2.0  # s, largest delay of the messages or of the frames
-MAX_BYTES = 128 << 20  # bytes, largest size of the frames that wait
-MAX_MESSAGES = 1000  # that wait; those without stamps never become too old
 MAX_UNMATCHED = 10  # messages in a row without a frame, from which on it is no accident
 
 
@@ -28,8 +25,7 @@ class FramePairs:
     def __init__(self, slop: float = 0.0) -> None:
         self.slop = slop
         self._lock = threading.Lock()  # guards all attributes below
-        self._frames: Deque[Frame] = collections.deque()
-        self._messages: Deque[Any] = collections.deque(maxlen=MAX_MESSAGES)
+        self._frames, self._messages = Recent(), Recent()
         self._unmatched = 0  # messages in a row without a frame
 
     def message_of(self, frame: Frame) -> Optional[Any]:
@@ -65,6 +61,13 @@ class FramePairs:
         apart = (abs(one - other) for one in messages for other in frames)
         return min(apart, default=math.inf) * 1e-9
 
+    def lateness(self) -> str:
+        """Returns in words how late the messages come, if their frames were dropped meanwhile."""
+        with self._lock:
+            if not self._messages:
+                return ""
+            return self._frames.lateness(self._messages[-1].header.stamp)
+
     def clear(self) -> None:
         """Releases all frames and messages that wait."""
         with self._lock:
@@ -72,38 +75,18 @@ class FramePairs:
             self._messages.clear()
             self._unmatched = 0
 
-    def _match(self, new: Any, alike: Deque[Any], others: Deque[Any]) -> Optional[Any]:
+    def _match(self, new: Any, alike: Recent, others: Recent) -> Optional[Any]:
         """Returns the one of `others` that belongs to `new`, which else waits with those alike."""
         found = _take(others, new.header.stamp, self.slop)
         if found is None:
-            alike.append(new)
-            _drop_old(alike)
-            _limit_size(alike)
+            alike.keep(new)
         else:
             alike.clear()
             self._unmatched = 0
         return found
 
 
-def _drop_old(waiting: Deque[Any]) -> None:
-    """Drops entries that are much older than the newest, or from before the stamps went back."""
-    newest = waiting[-1].header.stamp
-    while not 0.0 <= (newest - waiting[0].header.stamp).to_sec() <= MAX_LAG:
-        waiting.popleft()
-
-
-def _limit_size(waiting: Deque[Any]) -> None:
-    """Drops the oldest frames if all together are too large; the newest one stays."""
-    size = sum(_bytes_of(entry) for entry in waiting)
-    while size > MAX_BYTES and len(waiting) > 1:
-        size -= _bytes_of(waiting.popleft())
-
-
-def _bytes_of(entry: Any) -> int:
-    return entry.image.nbytes if isinstance(entry, Frame) else 0
-
-
-def _take(waiting: Deque[Any], stamp: Any, slop: float) -> Optional[Any]:
+def _take(waiting: Recent, stamp: Any, slop: float) -> Optional[Any]:
     """Removes and returns the entry nearest to this stamp, or None; older ones are dropped too."""
     time, nearest, least = stamp.to_nsec(), -1, round(slop * 1e9)  # ns
     for index, entry in enumerate(waiting):
