@@ -13,6 +13,7 @@ import pytest
 import rospy
 import skimage.data
 import support
+from diagnostic_msgs.msg import DiagnosticStatus
 from frames import Camera, Source
 from geometry_msgs.msg import Point
 from sensor_msgs.msg import Image, RegionOfInterest
@@ -338,7 +339,7 @@ class Finder:
     def found_at(self, stamp, *things):
         """Publishes (label, box) or (label, box, id) as found in the frame with this stamp.
 
-        Waits until the node has received them, because it ignores detections many frames late.
+        Waits until the node has received them, so that the next frame may select them.
         """
         array = DetectionArray(width=320, height=240)
         array.header.stamp = stamp
@@ -387,6 +388,33 @@ def test_detections_of_another_node_are_selected(start):
         finder.found_at(stamp, ("face", region(x, 80)), ("face", region(250, 20, SMALL)))
         found, states = desk.show(view(x, other=(250, 20)))
         assert set(states) == {1} and found
+
+
+def test_detections_that_cannot_be_selected_are_told(start, diagnostics):
+    desk = Desk(
+        start, "_auto_select:=true", "detections:=/finder/found", "_diagnostic_period:=0.02"
+    )
+
+    def told(text):
+        desk.show(view(40))
+        status = diagnostics.next("eye")
+        return status.level == DiagnosticStatus.WARN and text in status.message
+
+    nobody = "nobody publishes detections on /finder/found"
+    support.wait_for(lambda: told(nobody), nobody)
+    assert f"nothing is selected automatically: {nobody}" in desk.process.output()
+    finder = Finder()
+    apart = f"the stamps on /finder/found and {desk.topic} do not meet: the last is of none of the"
+
+    def told_of_stamps():
+        finder.found_at(
+            desk.send(view(40)) + rospy.Duration.from_sec(0.001), ("face", region(40, 80))
+        )
+        return told(apart)
+
+    support.wait_for(told_of_stamps, apart)
+    finder.found_at(desk.send(view(40)))
+    support.wait_for(lambda: not told(""), "the end of the warning")
 
 
 class Selector:
@@ -462,6 +490,52 @@ def found_at(selection, selector, seconds, *boxes, image=BACKGROUND, predicted=F
     found = [Detection(box=box, id=-1, predicted=predicted) for box in boxes]
     selection.add(DetectionArray(header=header, detections=found))
     selection.select(Frame(image, "bgr8", header), selector.objects())
+
+
+def shown(selection, selector, late, frames, off=0.0):
+    """Shows frames at 30 Hz; the detections of each come so many frames late, stamped `off` (s)."""
+    for number in range(frames):
+        if number >= late:
+            of = Header(stamp=rospy.Time.from_sec(1000.0 + (number - late) / RATE + off))
+            found = Detection(box=region(40, 80), id=-1)
+            selection.add(DetectionArray(header=of, detections=[found]))
+        header = Header(stamp=rospy.Time.from_sec(1000.0 + number / RATE))
+        selection.select(Frame(BACKGROUND, "bgr8", header), selector.objects())
+
+
+@pytest.mark.parametrize("late", [0, 15, 55])
+def test_what_a_slow_detector_finds_is_selected(late):
+    selector, selection = selecting(0.2)
+    shown(selection, selector, late, late + 7)
+    assert len(selector.selected) == 1 and not selection.misfit
+
+
+def test_what_is_found_after_its_frame_was_dropped_is_told():
+    selector, selection = selecting(0.2)
+    shown(selection, selector, 75, 60 + 75)
+    kept = "2.5 s older than the newest image, and only the images of 2 s are kept"
+    assert selection.misfit == f"the last is {kept}"
+    shown(selection, selector, 0, 10)  # as after the end of a recording
+    assert len(selector.selected) == 1 and not selection.misfit
+
+
+@pytest.mark.parametrize(
+    "off, apart",
+    [(0.01, "0.01"), (3.0, "2.7"), (-500.0, "499")],
+    ids=["between", "ahead", "behind"],
+)
+def test_detections_that_are_of_no_frame_are_told(off, apart):
+    selector, selection = selecting(0.0)
+    shown(selection, selector, 0, 40, off)
+    assert not selector.selected
+    assert selection.misfit.startswith(f"the last is of none of the images, the nearest {apart}")
+    assert selection.misfit.endswith(" s off")
+
+
+def test_what_was_found_before_the_first_frame_is_no_misfit():
+    selector, selection = selecting(0.0)
+    shown(selection, selector, 0, 40, -1.5)
+    assert not selector.selected and not selection.misfit
 
 
 def test_what_was_found_before_a_gap_is_found_anew():

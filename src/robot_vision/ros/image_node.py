@@ -161,10 +161,8 @@ class ImageNode:
             if only not in ("", name):
                 continue
             silent = now - max(self._last_message.get(name, 0.0), self._working_since)
-            if silent >= seconds and not subscriber.get_num_connections():
-                lacking.append(f"nobody publishes {plural} on {topic}")
-            elif silent >= seconds:
-                lacking.append(f"no {name} on {topic} for {silent:.0f} s")
+            if silent >= seconds:
+                lacking.append(silence_text(name, plural, topic, subscriber, silent))
         return "; ".join(lacking)
 
     def no_frame(self, seconds: float) -> str:
@@ -235,6 +233,13 @@ class ImageNode:
             return callback(message)
 
         return timed
+
+
+def silence_text(name: str, plural: str, topic: str, subscriber: Any, silent: float) -> str:
+    """Returns what there is to say of an input that had no message for so long (s)."""
+    if not subscriber.get_num_connections():
+        return f"nobody publishes {plural} on {topic}"
+    return f"no {name} on {topic} for {silent:.0f} s"
 
 
 class _Listener(rospy.SubscribeListener):

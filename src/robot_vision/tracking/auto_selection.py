@@ -3,7 +3,8 @@
 import collections
 import math
 import threading
-from typing import Deque, List, NamedTuple, Set, Tuple
+import time
+from typing import Any, Deque, List, NamedTuple, Set, Tuple
 
 import numpy as np
 import rospy
@@ -11,12 +12,14 @@ import rospy
 from .. import ObjectTracker, TrackedObject
 from ..common.polygons import is_inside
 from ..msg import Detection, DetectionArray
+from ..ros.frame_pairs import MAX_UNMATCHED
 from ..ros.image_node import INPUT_TIMEOUT
 from ..ros.messages import clipped_box
+from ..ros.recent import MAX_LAG, Recent
 from ..ros.transport import Frame
 from .selections import MAX_OBJECTS
 
-HISTORY = 8  # frames by which a detection may be late
+MAX_WAITING = 10  # messages that wait for their frames
 MAX_CANDIDATES = 100  # detections of a message with the highest scores; each is compared with each
 
 
@@ -39,6 +42,9 @@ class AutoSelection:
 
     Args:
         tracker: The tracker of the objects. It must not be in use by others during select().
+
+    Attributes:
+        misfit: Why detections cannot be selected, in words, if many in a row were of no frame.
     """
 
     def __init__(self, tracker: ObjectTracker):
@@ -51,10 +57,14 @@ class AutoSelection:
         self._looked_at = -math.inf  # s, the frame of the last message
         self._own: Set[int] = set()  # ids of the objects that were selected here
         self._lost: List[int] = []  # ids of those that are lost in this frame
-        self._lock = threading.Lock()  # guards the received detections
-        self._come: Deque[DetectionArray] = collections.deque(maxlen=HISTORY)
-        # The last frames with the outlines of the objects tracked in them.
-        self._frames: Deque[Tuple[Frame, List[np.ndarray]]] = collections.deque(maxlen=HISTORY)
+        self.misfit = ""
+        self._unmatched = 0  # messages in a row that were of no frame
+        self._frames = Recent()
+        # The outlines of the objects tracked in each of these frames.
+        self._outlines: Deque[List[np.ndarray]] = collections.deque()
+        self._lock = threading.Lock()  # guards what is received
+        self._come: Deque[DetectionArray] = collections.deque(maxlen=MAX_WAITING)
+        self._last_come = time.monotonic()
 
     def configure(self, label: str, most: int, after: float, predicted: bool = False) -> None:
         """Sets what is selected.
@@ -74,29 +84,70 @@ class AutoSelection:
         """Takes detections; may be called by another thread."""
         with self._lock:
             self._come.append(detections)
+            self._last_come = time.monotonic()
+
+    def silence(self) -> float:
+        """Returns for how long no detections have come, in s; at first since clear()."""
+        with self._lock:
+            return time.monotonic() - self._last_come
 
     def clear(self) -> None:
         """Forgets frames and detections, but not which objects were selected here."""
         self._frames.clear()
+        self._outlines.clear()
         self._candidates = []
+        self.misfit, self._unmatched = "", 0
         with self._lock:
             self._come.clear()
+            self._last_come = time.monotonic()
 
     def select(self, frame: Frame, tracks: List[TrackedObject]) -> None:
         """Selects what was detected up to this frame, in which `tracks` are the objects."""
-        self._frames.append((frame, [track.outline for track in tracks if track.tracked]))
+        self._keep(frame, [track.outline for track in tracks if track.tracked])
         self._own &= {track.id for track in tracks}
         self._lost = [track.id for track in tracks if track.id in self._own and not track.tracked]
+        stamps = [past.header.stamp for past in self._frames]
+        for found in self._take_up_to(frame.header.stamp):
+            if found.header.stamp not in stamps:
+                self._note_unmatched(found.header.stamp)
+                continue
+            self.misfit, self._unmatched = "", 0
+            number = stamps.index(found.header.stamp)
+            self._update_candidates(found.detections, self._frames[number].time)
+            self._select_uncovered(number)
+
+    def _keep(self, frame: Frame, outlines: List[np.ndarray]) -> None:
+        """Adds the newest frame; of several with the same stamp, as with none, it is the last."""
+        if self._frames and self._frames[-1].header.stamp == frame.header.stamp:
+            self._frames.pop()
+            self._outlines.pop()
+        self._frames.keep(frame)
+        self._outlines.append(outlines)
+        while len(self._outlines) > len(self._frames):
+            self._outlines.popleft()
+
+    def _take_up_to(self, stamp: Any) -> List[DetectionArray]:
+        """Returns the messages whose frames cannot be still to come; the others wait."""
         with self._lock:
-            come, self._come = list(self._come), collections.deque(maxlen=HISTORY)
-        stamps = [past.header.stamp for past, _ in self._frames]
-        for found in come:
-            if found.header.stamp > frame.header.stamp:
-                self.add(found)  # Its frame is still to come.
-            elif found.header.stamp in stamps:
-                number = max(i for i, stamp in enumerate(stamps) if stamp == found.header.stamp)
-                self._update_candidates(found.detections, self._frames[number][0].time)
-                self._select_uncovered(number)
+            come = list(self._come)
+            self._come.clear()
+            self._come.extend(found for found in come if found.header.stamp > stamp)
+            waits = len(self._come) == MAX_WAITING
+        if waits:  # Nobody detects so much before the frames come: they are of another clock.
+            self._note_unmatched(come[0].header.stamp)
+        return [found for found in come if found.header.stamp <= stamp]
+
+    def _note_unmatched(self, stamp: Any) -> None:
+        """Counts a message of no frame, unless it is of one that came before the first here."""
+        late = self._frames.lateness(stamp)
+        if not late and 0.0 < (self._frames[0].header.stamp - stamp).to_sec() < MAX_LAG:
+            return
+        self._unmatched += 1
+        if self._unmatched >= MAX_UNMATCHED:
+            apart = min(abs((past.header.stamp - stamp).to_sec()) for past in self._frames)
+            self.misfit = (
+                late or f"the last is of none of the images, the nearest {apart:.3g} s off"
+            )
 
     def _update_candidates(self, detections: List[Detection], now: float) -> None:
         has_paused = abs(now - self._looked_at) >= INPUT_TIMEOUT
@@ -123,7 +174,7 @@ class AutoSelection:
         return wanted[:MAX_CANDIDATES]
 
     def _select_uncovered(self, number: int) -> None:
-        frame, outlines = self._frames[number]
+        frame, outlines = self._frames[number], self._outlines[number]
         for found, since in self._candidates:
             if frame.time - since < self._after or not self._is_found(found):
                 continue
@@ -143,7 +194,7 @@ class AutoSelection:
                 self._tracker.forget(self._lost.pop(0))
             self._own.add(selected)
             # Further detections of it may come for frames in which it was not tracked yet.
-            for _, later in list(self._frames)[number:]:
+            for later in list(self._outlines)[number:]:
                 later.append(corners_of(region))
 
 

@@ -8,10 +8,11 @@ import rospy
 from .. import ObjectTracker as Tracker
 from .. import ObjectTrackerParams, TrackedObject, draw_text
 from ..common.plain_text import to_ascii
+from ..common.throttle import Throttle
 from ..msg import DetectionArray, Flow, TrackStateArray
 from ..ros.configs import ObjectTrackerConfig
 from ..ros.context import current
-from ..ros.image_node import ImageNode
+from ..ros.image_node import INPUT_TIMEOUT, ImageNode, silence_text
 from ..ros.live_params import LiveParams, filled
 from ..ros.messages import detection_array
 from ..ros.startup import run_node
@@ -36,6 +37,7 @@ class ObjectTracker:
         self._auto = AutoSelection(self._tracker)
         self._lost: Dict[int, float] = {}  # s, the time since which an object is lost
         self._detections: Optional[rospy.Subscriber] = None
+        self._lacking = Throttle(10.0)
         self._node = ImageNode(self._process)
         self._selections = TrackSelections(
             self._node, self._lock, self._tracker, lambda: self._detections is not None
@@ -60,6 +62,7 @@ class ObjectTracker:
                 config["auto_predicted"],
             )
             if config["auto_select"] and self._detections is None:
+                self._auto.clear()
                 self._detections = current().subscriber(
                     "detections", DetectionArray, self._auto.add, queue_size=10, tcp_nodelay=True
                 )
@@ -74,9 +77,13 @@ class ObjectTracker:
         with self._lock:
             tracks = self._update(now, frame)
             config = self._config
+            lack = self._lack()
             has_readers = self._flow.get_num_connections() > 0
             flow = self._tracker.flow(config["flow_points"]) if has_readers else None
             self._selections.keep_working()
+        self._node.set_lack(lack)
+        if lack and self._lacking.due():
+            rospy.logwarn("nothing is selected automatically: %s", lack)
         if self._object.get_num_connections():
             found = (detection_of(track, frame.image) for track in tracks if track.tracked)
             self._object.publish(detection_array(frame, found))
@@ -87,10 +94,8 @@ class ObjectTracker:
         if self._processed.get_num_connections():
             overlay = frame.image.copy()
             draw_tracks(overlay, tracks)
-            detections = self._detections
-            if detections and not detections.get_num_connections():
-                nobody = f"nobody publishes detections on {detections.resolved_name}"
-                draw_text(overlay, to_ascii(nobody), (10, overlay.shape[0] - 10))
+            if lack:
+                draw_text(overlay, to_ascii(lack), (10, overlay.shape[0] - 10))
             self._processed.publish(overlay, "bgr8", frame.header)
 
     def _update(self, now: float, frame: Frame) -> List[TrackedObject]:
@@ -101,6 +106,17 @@ class ObjectTracker:
             self._auto.select(frame, tracks)
         self._forget_lost(now, tracks)
         return self._tracker.objects()
+
+    def _lack(self) -> str:
+        """Returns why nothing that comes on `detections` can be selected, or an empty text."""
+        if not self._detections:
+            return ""
+        topic, silent = self._detections.resolved_name, self._auto.silence()
+        if silent >= INPUT_TIMEOUT:
+            return silence_text("detections", "detections", topic, self._detections, silent)
+        if self._auto.misfit:
+            return f"the stamps on {topic} and {self._node.topic} do not meet: {self._auto.misfit}"
+        return ""
 
     def _forget_lost(self, now: float, tracks: List[TrackedObject]) -> None:
         limit = self._config["forget_after"]
