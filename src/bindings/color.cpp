@@ -95,7 +95,8 @@ void bindMask(py::module& m)
       "(height, width) uint8, 255 where the colour is in the range and 0 elsewhere: cv2.cvtColor to HSV and "
       "cv2.inRange, to the bit.\n\n"
       "Raises ValueError for a range that is none or an image that is not of this encoding.";
-  py::class_<HsvMask>(m, "HsvMask", "The pixels whose colour is in a range, for one image after the other.")
+  py::class_<HsvMask>(m, "HsvMask",
+                      "The pixels whose colour is in a range, for one image after the other. Threads may share one.")
       .def(py::init<const HsvRange&>(), "range"_a = HsvRange())
       .def("apply", &applyMask, "image"_a, "encoding"_a = "bgr8", doc);
   m.def(

@@ -135,8 +135,9 @@ void bindColorMask(py::module& m)
       "(height, width) uint8, 255 where the colour is in the range and 0 elsewhere: cv2.cvtColor to its space and "
       "cv2.inRange, to the bit.\n\n"
       "Raises ValueError for a range that is none or an image that is not of this encoding.";
-  py::class_<ColorMask>(m, "ColorMask",
-                        "The pixels whose colour is in a range of a space, for one image after another.")
+  py::class_<ColorMask>(
+      m, "ColorMask",
+      "The pixels whose colour is in a range of a space, for one image after another. Threads may share one.")
       .def(py::init<const ColorRange&>(), "range"_a = ColorRange())
       .def("apply", &applyMask, "image"_a, "encoding"_a = "bgr8", doc);
 }

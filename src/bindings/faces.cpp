@@ -24,7 +24,7 @@ void bindFaces(py::module& m)
       .def_readonly("predicted", &Face::predicted, "followed by its looks: no cascade has seen it in this frame");
 
   py::class_<FaceDetector, std::unique_ptr<FaceDetector, DeleteUnlocked<FaceDetector>>>(
-      m, "FaceDetector", "Finds faces with OpenCV's cascades, and follows them.")
+      m, "FaceDetector", "Finds faces with OpenCV's cascades, and follows them. Not for two threads at once.")
       .def(py::init<const FaceParams&>(), "params"_a = FaceParams(), Unlocked(),
            "Raises ValueError for a parameter out of range, and for a cascade that is not there or none.")
       .def("configure", &FaceDetector::configure, "params"_a, Unlocked(),

@@ -47,9 +47,10 @@ void bindOperations(py::module& m)
                     "the encoding of a second image that it takes; 'input': that of the first; empty: it takes none")
       .def_readonly("params", &Operation::params);
   m.def("operations", &operations, "All operations, ordered by name.");
-  py::class_<FilterChain>(m, "FilterChain",
-                          "Operations on images, one after the other. `values` are parameters by the name of the "
-                          "operation and their own (gaussian_size).")
+  py::class_<FilterChain>(
+      m, "FilterChain",
+      "Operations on images, one after the other. `values` are parameters by the name of the "
+      "operation and their own (gaussian_size). Threads may share one; their calls wait for each other.")
       .def(py::init<const std::vector<std::string>&, const ParamValues&>(), "chain"_a, "values"_a = ParamValues())
       .def("apply", &applyChain, "image"_a, "encoding"_a = "bgr8", "second"_a = py::none(),
            "second_encoding"_a = "bgr8",

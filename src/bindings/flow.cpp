@@ -80,16 +80,19 @@ void bindFlow(py::module& m)
     if (flow.empty()) return std::nullopt;
     return toPython(flow);
   };
-  py::class_<DenseFlow>(m, "DenseFlow", "Finds how far each pixel has moved since the last frame.")
+  py::class_<DenseFlow>(m, "DenseFlow",
+                        "Finds how far each pixel has moved since the last frame. Threads may share one; their calls "
+                        "wait for each other.")
       .def(py::init<const DenseFlowParams&>(), "params"_a = DenseFlowParams())
       .def(
           "update", update, "time"_a, "image"_a, "encoding"_a = "bgr8",
           "The flow from the last frame to the one of a time, s: (height, width, 2) float32, px to the right and down. "
           "None for the first frame, one of another size, of an earlier time, or of more than max_gap later.\n\n"
           "Raises ValueError for an image that is not of this encoding.")
-      .def_property_readonly("interval", &DenseFlow::interval,
-                             "s, between the two frames of the last flow; 0 if there was none")
-      .def("reset", &DenseFlow::reset, "The next frame is the first one.");
+      .def_property_readonly(
+          "interval", [](const DenseFlow& finder) { return withoutGil([&] { return finder.interval(); }); },
+          "s, between the two frames of the last flow; 0 if there was none")
+      .def("reset", &DenseFlow::reset, Unlocked(), "The next frame is the first one.");
   bindFunctions(m);
 }
 

@@ -62,7 +62,9 @@ void bindLanes(py::module& m)
   bindParams<LaneParams>(m, "LaneParams", "What is taken for the lines of a lane.");
   bindResults(m);
 
-  py::class_<LaneDetector>(m, "LaneDetector", "Finds the lane of a road in the view of a camera that looks ahead.")
+  py::class_<LaneDetector>(m, "LaneDetector",
+                           "Finds the lane of a road in the view of a camera that looks ahead. Threads may share one; "
+                           "their calls wait for each other.")
       .def(py::init<const GroundParams&, const LaneParams&>(), "ground"_a = GroundParams(), "params"_a = LaneParams())
       .def(
           "update",
@@ -77,7 +79,7 @@ void bindLanes(py::module& m)
           "The Lane in the frame of a time, s. With ground camera the CameraModel is needed.\n\n"
           "Raises ValueError for an image that is not of this encoding, or a camera that is missing or of images of "
           "another size.")
-      .def("reset", &LaneDetector::reset, "Forgets where the lane was.");
+      .def("reset", &LaneDetector::reset, Unlocked(), "Forgets where the lane was.");
 
   m.def("draw_lane", &draw, "image"_a, "left"_a, "right"_a,
         "Draws a lane's lines, (n, 2) px, and shades what is between them. image: (height, width, 3) uint8, BGR.");

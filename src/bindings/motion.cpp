@@ -23,7 +23,9 @@ void bindMotion(py::module& m)
       .def_readonly("everywhere", &Motion::everywhere, "more than max_changed: light, or the camera; no regions")
       .def_readonly("regions", &Motion::regions, "of the mask, the largest first");
 
-  py::class_<MotionDetector>(m, "MotionDetector", "Finds what moves by comparing each frame with a background.")
+  py::class_<MotionDetector>(m, "MotionDetector",
+                             "Finds what moves by comparing each frame with a background. Threads may share one; their "
+                             "calls wait for each other.")
       .def(py::init<const MotionParams&>(), "params"_a = MotionParams())
       .def("configure", &MotionDetector::configure, "params"_a, Unlocked(),
            "Parameters from the next frame on. The background stays, but not for another method.\n\nRaises ValueError "
@@ -32,7 +34,7 @@ void bindMotion(py::module& m)
            "The Motion in the frame of a time, s. The first frame, one of another size and one of an earlier time are "
            "new backgrounds.\n\nRaises ValueError for an image that is not of this encoding, and for a time that is "
            "not finite.")
-      .def("reset", &MotionDetector::reset, "The next frame is the background.");
+      .def("reset", &MotionDetector::reset, Unlocked(), "The next frame is the background.");
 }
 
 const Bindings kBindings("motion", {"segmentation"}, bindMotion);

@@ -21,7 +21,8 @@ void bindPeople(py::module& m)
       .def_readonly("weight", &Person::weight, "distance from the plane of the support vector machine")
       .def_readonly("score", &Person::score, "1 / (1 + exp(-weight)), 0 to 1");
 
-  py::class_<PeopleDetector>(m, "PeopleDetector", "Finds people who stand or walk, by OpenCV's HOGDescriptor.")
+  py::class_<PeopleDetector>(m, "PeopleDetector",
+                             "Finds people who stand or walk, by OpenCV's HOGDescriptor. Threads may share one.")
       .def(py::init<const PeopleParams&>(), "params"_a = PeopleParams(),
            "Raises ValueError for a parameter out of range.")
       .def(

@@ -36,7 +36,9 @@ void bindScenes(py::module& m)
       .def_property_readonly("camera", attribute(&SceneTruth::camera), "4x4, camera in the world, m")
       .def_readonly("objects", &SceneTruth::objects);
 
-  py::class_<Scene>(m, "Scene", "A synthetic room with exact ground truth, the same for the same frame number.")
+  py::class_<Scene>(
+      m, "Scene",
+      "A synthetic room with exact ground truth, the same for the same frame number. Threads may share one.")
       .def(py::init([](const SceneParams& params, const std::optional<py::array>& poster)
                     { return std::make_unique<Scene>(params, poster ? ImageArray(*poster).view : cv::Mat()); }),
            "params"_a = SceneParams(), "poster"_a = py::none(), "poster: (height, width, 3) BGR image for the wall.")
@@ -98,7 +100,8 @@ py::array renderFloor(const FloorScene& scene, const Matrix& camera)
 void bindFloor(py::module& m)
 {
   using Bgr = std::array<double, 3>;
-  py::class_<FloorScene>(m, "FloorScene", "A floor with an image on it, as a camera above it sees it.")
+  py::class_<FloorScene>(m, "FloorScene",
+                         "A floor with an image on it, as a camera above it sees it. Threads may share one.")
       .def(py::init(
                [](const py::array& floor, std::pair<double, double> size, const CameraModel& camera, const Bgr& around)
                {
@@ -129,7 +132,7 @@ py::array applyNoise(const DepthNoise& noise, std::int64_t frame, const py::arra
 
 void bindDepthNoise(py::module& m)
 {
-  py::class_<DepthNoise>(m, "DepthNoise", "Makes of exact depth what a sensor would measure.")
+  py::class_<DepthNoise>(m, "DepthNoise", "Makes of exact depth what a sensor would measure. Threads may share one.")
       .def(py::init([](const std::string& sensor, const CameraModel& camera, std::uint64_t seed)
                     { return std::make_unique<DepthNoise>(depthSensor(sensor), camera, seed); }),
            "sensor"_a, "camera"_a, "seed"_a = 1,

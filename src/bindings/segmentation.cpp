@@ -40,7 +40,7 @@ void bindSegmentation(py::module& m)
       .def_readonly("circle_radius", &Region::circle_radius, "px")
       .def_readonly("roundness", &Region::roundness, "area to area of the circle half a pixel larger, 0 to 1 (a disc)");
 
-  py::class_<RegionFinder>(m, "RegionFinder", "Cleans masks and finds the regions in them.")
+  py::class_<RegionFinder>(m, "RegionFinder", "Cleans masks and finds the regions in them. Threads may share one.")
       .def(py::init<const RegionParams&>(), "params"_a = RegionParams())
       .def("apply", &findRegions, "mask"_a,
            "The mask opened and closed, and the list of its regions, the largest first: (mask, regions).\n\n"

@@ -42,22 +42,26 @@ void bindSegmenter(py::module& m)
   bindParams<SegmentPaintParams>(m, "SegmentPaintParams", "How paint_segments() paints.");
   bindResults(m);
 
-  py::class_<Segmenter>(m, "Segmenter", "Divides images into segments by OpenCV's methods.")
+  py::class_<Segmenter>(
+      m, "Segmenter",
+      "Divides images into segments by OpenCV's methods. Threads may share one; their calls wait for each other.")
       .def(py::init<const SegmenterParams&>(), "params"_a = SegmenterParams(),
            "Raises ValueError for a parameter out of range.")
-      .def("configure", &Segmenter::configure, "params"_a,
+      .def("configure", &Segmenter::configure, "params"_a, Unlocked(),
            "Other parameters from now on; seeds and numbers stay. Raises as the constructor does.")
       .def(
           "add_region", [](Segmenter& segmenter, const Box& region) { segmenter.addRegion(toRect(region)); },
-          "region"_a, "Adds a seed: (x, y, width, height), px. Raises ValueError if it is empty or one too many.")
+          "region"_a, Unlocked(),
+          "Adds a seed: (x, y, width, height), px. Raises ValueError if it is empty or one too many.")
       .def(
           "add_point",
           [](Segmenter& segmenter, const std::pair<int, int>& point) {
             segmenter.addPoint({point.first, point.second});
           },
-          "point"_a, "Adds a seed: (x, y), px. Raises ValueError if it is one too many.")
-      .def("clear_seeds", &Segmenter::clearSeeds)
-      .def_property_readonly("seeds", &Segmenter::seeds)
+          "point"_a, Unlocked(), "Adds a seed: (x, y), px. Raises ValueError if it is one too many.")
+      .def("clear_seeds", &Segmenter::clearSeeds, Unlocked())
+      .def_property_readonly("seeds",
+                             [](const Segmenter& segmenter) { return withoutGil([&] { return segmenter.seeds(); }); })
       .def("apply", withArray(&Segmenter::apply), "image"_a, "encoding"_a = "bgr8",
            "The Segmentation of an image.\n\nRaises ValueError for an image that is not of this encoding.");
 }

@@ -79,15 +79,18 @@ void bindSpectrum(py::module& m)
       .def_readonly("response", &ImageShift::response, "share of the correlation that is around its peak, 0 to 1")
       .def_readonly("found", &ImageShift::found, "whether the response is at least min_response and above 0");
 
-  py::class_<PhaseCorrelator>(m, "PhaseCorrelator", "Finds how far the image has moved since the last frame.")
+  py::class_<PhaseCorrelator>(
+      m, "PhaseCorrelator",
+      "Finds how far the image has moved since the last frame. Threads may share one; their calls wait for each other.")
       .def(py::init<const SpectrumParams&>(), "params"_a = SpectrumParams())
       .def("update", withArray(&PhaseCorrelator::update), "time"_a, "image"_a, "encoding"_a = "bgr8",
            "The ImageShift from the last frame to the one of a time, s. None for the first frame, one of another size, "
            "of an earlier time, or of more than max_gap later.\n\n"
            "Raises ValueError for an image that is not of this encoding.")
-      .def_property_readonly("interval", &PhaseCorrelator::interval,
-                             "s, between the two frames of the last shift; 0 if there was none")
-      .def("reset", &PhaseCorrelator::reset, "The next frame is the first one.");
+      .def_property_readonly(
+          "interval", [](const PhaseCorrelator& finder) { return withoutGil([&] { return finder.interval(); }); },
+          "s, between the two frames of the last shift; 0 if there was none")
+      .def("reset", &PhaseCorrelator::reset, Unlocked(), "The next frame is the first one.");
 }
 
 const Bindings kBindings("spectrum", {}, bindSpectrum);

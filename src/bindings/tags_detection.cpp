@@ -53,7 +53,7 @@ void bindDetector(py::module& m)
   bindParams<TagDetectorParams>(m, "TagDetectorParams", "What a TagDetector searches for, and how.");
 
   py::class_<TagDetector, std::unique_ptr<TagDetector, DeleteUnlocked<TagDetector>>>(
-      m, "TagDetector", "Finds AprilTags with libapriltag; see tag_detector.hpp.")
+      m, "TagDetector", "Finds AprilTags with libapriltag; see tag_detector.hpp. Not for two threads at once.")
       .def(py::init<const TagDetectorParams&>(), "params"_a = TagDetectorParams(), Unlocked(),
            "Raises ValueError for a parameter out of range.")
       .def("configure", &TagDetector::configure, "params"_a, Unlocked(),

@@ -172,7 +172,7 @@ void bindTagPoses(py::module& m)
   bindParams<TagPoseParams>(m, "TagPoseParams",
                             "What a TagPoseTracker knows of the noise of corners, and how long it waits for tags.");
 
-  py::class_<TagPoseTracker>(m, "TagPoseTracker", "The pose of a Bundle over time.")
+  py::class_<TagPoseTracker>(m, "TagPoseTracker", "The pose of a Bundle over time. Not for two threads at once.")
       .def(py::init<const Bundle&, const TagPoseParams&>(), "bundle"_a, "params"_a = TagPoseParams())
       .def(
           "update",

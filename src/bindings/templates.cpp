@@ -74,7 +74,9 @@ void bindMatcher(py::module& m)
                              "(height, width) float32, of the template and scale that fit best; empty if not wanted")
       .def_readonly("too_large", &TemplateMatches::too_large, "indices of templates larger than the image");
 
-  py::class_<TemplateMatcher>(m, "TemplateMatcher", "Looks for templates at several scales in images.")
+  py::class_<TemplateMatcher>(m, "TemplateMatcher",
+                              "Looks for templates at several scales in images. Threads may share one: they match at "
+                              "the same time, and wait while a template is added.")
       .def(py::init<const TemplateParams&>(), "params"_a = TemplateParams())
       .def(
           "add",

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <functional>
+#include <memory>
+#include <mutex>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
@@ -11,13 +13,15 @@
 namespace robot_vision
 {
 
-/// Operations on an image, one after the other. Buffers are kept from image to image. Not thread-safe.
+/// Operations on an image, one after the other. Buffers are kept from image to image. Threads may share one;
+/// their calls wait for each other.
 class FilterChain
 {
 public:
   static constexpr std::size_t kMaxSteps = 32;
 
-  /// Called with the index of a step, and its result, which is valid until the function returns.
+  /// Called with the index of a step, and its result, which is valid until the function returns. It must not use the
+  /// chain.
   using OnStep = std::function<void(std::size_t step, const EncodedImage& result)>;
 
   /// `chain` names operations; one that occurs several times has the same parameters each time. An empty chain changes
@@ -41,6 +45,7 @@ public:
 private:
   struct Step;
   std::vector<Step> steps_;
+  std::unique_ptr<std::mutex> mutex_;  // guards the buffers of the steps; held during apply()
 };
 
 /// The names in a text such as "gaussian, canny"; none in an empty one. Throws std::invalid_argument for one with

@@ -58,7 +58,8 @@ struct DenseFlowParams
 ///
 /// All is done in the thread of the caller, which leaves the other cores to others and costs less in sum. OpenCV can
 /// only be told so for the whole process: until update() returns, what it does in other threads, such as those of
-/// nodelets in the same manager, is not divided either. No result depends on that.
+/// nodelets in the same manager, is not divided either. No result depends on that. Threads may share one; their calls
+/// wait for each other.
 class DenseFlow
 {
 public:

@@ -107,6 +107,8 @@ struct Lane
 /// The confidence of a line is the product of three shares: of its rows within `tolerance` of its curve, less what
 /// would be by chance; of the visible part of the curve between its first and its last row; and three times that of
 /// this piece that is painted (at most 1).
+///
+/// Threads may share one; their calls wait for each other.
 class LaneDetector
 {
 public:

@@ -62,6 +62,8 @@ struct Motion
 ///
 /// When the whole image changes, because a lamp is switched on or the camera is moved, this is reported as such, and
 /// what is seen after `settle` seconds of it is the background from then on.
+///
+/// Threads may share one; their calls wait for each other.
 class MotionDetector
 {
 public:

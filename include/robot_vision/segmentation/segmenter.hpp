@@ -116,7 +116,7 @@ struct SegmentSeed
 ///
 /// What has seeds numbers its segments as the seeds came, k_means by the size in its first frame, and the others by
 /// size; see keep_labels and keep_centers. The same images and seeds give the same result each time; the state of
-/// OpenCV's random numbers stays as it is.
+/// OpenCV's random numbers stays as it is. Threads may share one; their calls wait for each other.
 class Segmenter
 {
 public:
@@ -135,7 +135,7 @@ public:
   void addRegion(const cv::Rect& region);
   void addPoint(const cv::Point& point);
   void clearSeeds();
-  const std::vector<SegmentSeed>& seeds() const;
+  std::vector<SegmentSeed> seeds() const;
 
   /// Divides an image, which is not modified. Throws std::invalid_argument if it is not an image of `encoding` (see
   /// encoding.hpp), or so large that the method would take many seconds.

@@ -101,7 +101,7 @@ struct ImageShift
 
 /// Finds how far the image has moved since the last frame, by phase correlation: cv::phaseCorrelate of the gray images
 /// less their means under a Hann window, filled up with zeros to even sizes, as with odd ones that function is wrong by
-/// half a pixel. Images of a single gray have no shift.
+/// half a pixel. Images of a single gray have no shift. Threads may share one; their calls wait for each other.
 class PhaseCorrelator
 {
 public:

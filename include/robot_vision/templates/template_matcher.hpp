@@ -79,7 +79,7 @@ struct TemplateMatches
 /// response as a share of the largest that this template can have in any image. Matches are the best places, for
 /// `single` one of each template, that share no more than `overlap` with a better one.
 ///
-/// Threads may share a TemplateMatcher once all templates are added.
+/// Threads may share one: they match at the same time, and wait while a template is added.
 class TemplateMatcher
 {
 public:

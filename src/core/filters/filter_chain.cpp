@@ -86,6 +86,7 @@ struct FilterChain::Step
 };
 
 FilterChain::FilterChain(const std::vector<std::string>& chain, const ParamValues& values)
+  : mutex_(std::make_unique<std::mutex>())
 {
   if (chain.size() > kMaxSteps)
     throw std::invalid_argument("chain has " + std::to_string(chain.size()) + " operations, must have at most " +
@@ -117,6 +118,7 @@ std::string FilterChain::apply(const EncodedImage& image, cv::Mat& out, const En
   if (!second.pixels.empty()) checkPixels(second.pixels, second.encoding);
   const EncodedImage other = alone(second.pixels.empty() ? image : second);
   EncodedImage current = alone(image);
+  const std::lock_guard<std::mutex> lock(*mutex_);
   for (std::size_t i = 0; i < steps_.size(); ++i)
   {
     Step& step = steps_[i];

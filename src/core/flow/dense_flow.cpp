@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <mutex>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 #include <utility>
@@ -144,6 +145,7 @@ struct DenseFlow::Impl
   ConversionBuffer buffer;
   cv::Ptr<cv::DISOpticalFlow> dis;  // null for farneback
   cv::Mat last, next;               // CV_8UC1, shrunk; both keep their memory
+  std::mutex mutex;                 // guards all above; held during a call
 };
 
 DenseFlow::DenseFlow(const DenseFlowParams& params)
@@ -156,16 +158,19 @@ DenseFlow::~DenseFlow() = default;
 
 cv::Mat DenseFlow::update(double time_s, const cv::Mat& image, const std::string& encoding)
 {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
   return impl_->update(time_s, image, encoding);
 }
 
 double DenseFlow::interval() const
 {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
   return impl_->sequence.interval();
 }
 
 void DenseFlow::reset()
 {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
   impl_->sequence.reset();
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <optional>
 #include <stdexcept>
 
@@ -217,6 +218,7 @@ struct LaneDetector::Impl
   LaneModel mean;                                               // its mean over frames, which is behind when it moves
   std::vector<LineFit> lines;                                   // its lines
   double last_time = -std::numeric_limits<double>::infinity();  // s, when it was seen
+  std::mutex mutex;                                             // guards all above; held during a call
 };
 
 LaneDetector::LaneDetector(const GroundParams& ground, const LaneParams& params)
@@ -228,11 +230,13 @@ LaneDetector::~LaneDetector() = default;
 
 Lane LaneDetector::update(double time_s, const cv::Mat& image, const std::string& encoding, const CameraModel* camera)
 {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
   return impl_->update(time_s, image, encoding, camera);
 }
 
 void LaneDetector::reset()
 {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
   impl_->forget();
 }
 

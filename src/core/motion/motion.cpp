@@ -1,6 +1,7 @@
 #include "robot_vision/motion/motion.hpp"
 
 #include <atomic>
+#include <mutex>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
@@ -97,6 +98,7 @@ struct MotionDetector::Impl
   cv::Mat mask;                            // the last one that was returned
   double last_time = 0.0;                  // s, of the newest frame
   std::optional<double> everywhere_since;  // s, when the whole image began to differ
+  std::mutex mutex;                        // guards all above; held during a call
 };
 
 MotionDetector::MotionDetector(const MotionParams& params)
@@ -110,16 +112,19 @@ MotionDetector::~MotionDetector() = default;
 void MotionDetector::configure(const MotionParams& params)
 {
   validate(params);
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
   impl_->configure(params);
 }
 
 Motion MotionDetector::update(double time_s, const cv::Mat& image, const std::string& encoding)
 {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
   return impl_->update(time_s, image, encoding);
 }
 
 void MotionDetector::reset()
 {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
   impl_->background.clear();
 }
 

@@ -1,5 +1,6 @@
 #include "robot_vision/segmentation/segmenter.hpp"
 
+#include <mutex>
 #include <opencv2/imgproc.hpp>
 
 #include "color_clusters.hpp"
@@ -49,6 +50,7 @@ struct Segmenter::Impl
 
   void add(const SegmentSeed& seed)
   {
+    const std::lock_guard<std::mutex> lock(mutex);
     const auto most = static_cast<double>(kMaxSeeds);
     requireRange("the number of seeds", static_cast<double>(seeds.size()) + 1.0, 1.0, most);
     seeds.push_back(seed);
@@ -58,6 +60,7 @@ struct Segmenter::Impl
   std::vector<SegmentSeed> seeds;
   ColorClusters clusters;
   LabelNumbers numbers;
+  std::mutex mutex;  // guards all above; held during a call
 };
 
 Segmenter::Segmenter(const SegmenterParams& params) : impl_(std::make_unique<Impl>())
@@ -70,6 +73,7 @@ Segmenter::~Segmenter() = default;
 void Segmenter::configure(const SegmenterParams& params)
 {
   validate(params);
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
   if (params.method != impl_->params.method)
   {
     impl_->clusters.forget();
@@ -94,16 +98,19 @@ void Segmenter::addPoint(const cv::Point& point)
 
 void Segmenter::clearSeeds()
 {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
   impl_->seeds.clear();
 }
 
-const std::vector<SegmentSeed>& Segmenter::seeds() const
+std::vector<SegmentSeed> Segmenter::seeds() const
 {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
   return impl_->seeds;
 }
 
 Segmentation Segmenter::apply(const cv::Mat& image, const std::string& encoding)
 {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
   const SegmenterParams& params = impl_->params;
   cv::Mat bgr;
   toBgr(image, encoding, bgr);

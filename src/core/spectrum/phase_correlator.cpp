@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <mutex>
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
@@ -56,7 +57,8 @@ struct PhaseCorrelator::Impl
   SpectrumParams params;
   FrameSequence sequence;
   ConversionBuffer buffer;
-  cv::Mat last;  // CV_32FC1, without its mean and faded out towards its borders
+  cv::Mat last;      // CV_32FC1, without its mean and faded out towards its borders
+  std::mutex mutex;  // guards all above; held during a call
 };
 
 PhaseCorrelator::PhaseCorrelator(const SpectrumParams& params)
@@ -69,16 +71,19 @@ PhaseCorrelator::~PhaseCorrelator() = default;
 
 std::optional<ImageShift> PhaseCorrelator::update(double time_s, const cv::Mat& image, const std::string& encoding)
 {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
   return impl_->update(time_s, image, encoding);
 }
 
 double PhaseCorrelator::interval() const
 {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
   return impl_->sequence.interval();
 }
 
 void PhaseCorrelator::reset()
 {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
   impl_->sequence.reset();
 }
 

@@ -1,7 +1,9 @@
 #include "robot_vision/templates/template_matcher.hpp"
 
 #include <algorithm>
+#include <mutex>
 #include <opencv2/imgproc.hpp>
+#include <shared_mutex>
 
 #include "core/common/work_limit.hpp"
 #include "robot_vision/common/range.hpp"
@@ -105,6 +107,7 @@ struct TemplateMatcher::Impl
   TemplateParams params;
   int count = 0;  // of templates
   std::vector<TemplateVariant> variants;
+  std::shared_mutex mutex;  // guards both above
 };
 
 void validate(const TemplateParams& params)
@@ -127,6 +130,7 @@ int TemplateMatcher::add(const cv::Mat& image, const std::string& encoding, cons
   const cv::Mat pixels = converted(image, encoding, impl_->params.color);
   const cv::Mat used = usedMask(mask, pixels.size());
   if (!used.empty()) requireMask(impl_->params.method);
+  const std::lock_guard<std::shared_mutex> lock(impl_->mutex);
   impl_->requireRoom(pixels.size());
   for (TemplateVariant& variant : templateVariants(impl_->count, pixels, used, impl_->params))
     impl_->variants.push_back(std::move(variant));
@@ -138,6 +142,7 @@ TemplateMatches TemplateMatcher::match(const cv::Mat& image, const std::string& 
   const TemplateParams& params = impl_->params;
   const std::vector<TemplateVariant>& variants = impl_->variants;
   const cv::Mat pixels = converted(image, encoding, params.color);
+  const std::shared_lock<std::shared_mutex> lock(impl_->mutex);
   impl_->requireTime(pixels);
   TemplateMatches found;
   std::vector<TemplatePeak> peaks;
