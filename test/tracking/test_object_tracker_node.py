@@ -422,6 +422,7 @@ class Selector:
 
     def __init__(self):
         self.selected = []
+        self.labels = []
         self.images = []  # in which they were selected
         self.boxes = {}  # by the ids of those that were not forgotten
 
@@ -429,8 +430,9 @@ class Selector:
         self.images.append(image)
         return self.select(box, label)
 
-    def select(self, box, _label):
+    def select(self, box, label):
         self.selected.append(box)
+        self.labels.append(label)
         number = len(self.selected)
         self.boxes[number] = box
         return number
@@ -482,6 +484,15 @@ def test_detections_of_images_without_stamps_are_those_of_the_newest_frame():
     selection.select(frames[2], [])
     (used,) = selector.images
     assert used is frames[2].image
+
+
+def test_a_long_label_is_cut():
+    selector, selection = selecting(0.0)
+    header = Header(stamp=rospy.Time(1))
+    found = Detection(box=region(40, 80), id=-1, label="ä" * 100_000)
+    selection.add(DetectionArray(header=header, detections=[found]))
+    selection.select(Frame(BACKGROUND, "bgr8", header), selector.objects())
+    assert selector.labels == ["ä" * 255]
 
 
 def found_at(selection, selector, seconds, *boxes, image=BACKGROUND, predicted=False):

@@ -10,6 +10,7 @@ import numpy as np
 import rospy
 
 from .. import ObjectTracker, TrackedObject
+from ..common.plain_text import MAX_NAME_LENGTH
 from ..common.polygons import is_inside
 from ..msg import Detection, DetectionArray
 from ..ros.frame_pairs import MAX_UNMATCHED
@@ -185,7 +186,8 @@ class AutoSelection:
                 return
             region = clipped_box(found.box)
             try:
-                selected = self._tracker.select_in(frame.image, region, found.label)
+                label = found.label[:MAX_NAME_LENGTH]  # It is published with each frame.
+                selected = self._tracker.select_in(frame.image, region, label)
             except ValueError as error:
                 rospy.logwarn_throttle(10.0, "a detection cannot be followed: %s", error)
                 continue
