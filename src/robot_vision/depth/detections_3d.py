@@ -97,16 +97,17 @@ class Detections3d:
             rospy.logwarn_throttle(10.0, f"no places of detections: {missing}")
         return missing
 
-    def _process(self, depth: Frame, detections: DetectionArray) -> None:
+    def _process(self, depth: Frame, detections: DetectionArray) -> Any:
         with self._lock:
             self._require_fit(depth, detections)
             camera = self._camera_of(depth)
             if camera is None:
                 self._calibration.refuse()
-                return
+                return KEPT
             if camera is not self._camera:
                 self._camera, self._locator = camera, RegionLocator(camera, *self._values)
             self._publish(depth, self._located(depth, detections))
+        return None
 
     def _require_fit(self, depth: Frame, detections: DetectionArray) -> None:
         problem = misfit(detections, depth, self._calibration.frame_id)

@@ -24,7 +24,7 @@ from ..ros.live_params import LiveParams, filled
 from ..ros.params import read_name
 from ..ros.startup import run_node
 from ..ros.transform_output import TransformOutput
-from ..ros.transport import Frame, note_connections
+from ..ros.transport import KEPT, Frame, note_connections
 from .depth_overlay import depth_gray
 from .depth_range import within
 from .table_markers import markers
@@ -79,7 +79,7 @@ class Tabletop:
         self._settings = Settings(planes, tables, *own)  # replaced in one step
         note_connections()  # because /tf may start or stop to count
 
-    def _process(self, frame: Frame) -> None:
+    def _process(self, frame: Frame) -> Any:
         settings = self._settings
         self._look.check(frame)
         camera = self._calibration.camera(frame.image.shape[1::-1], settings.rectified)
@@ -89,10 +89,12 @@ class Tabletop:
                 draw_text(overlay, NOT_CALIBRATED, (10, 20))
                 self._processed.publish(overlay, "bgr8", frame.header)
             self._calibration.refuse()
-            return
+            return KEPT
         up = self._vertical.of(frame, settings.vertical_frame)
-        if up is not None:
-            self._publish(frame, camera, settings, *self._find(frame, camera, settings, up))
+        if up is None:
+            return KEPT
+        self._publish(frame, camera, settings, *self._find(frame, camera, settings, up))
+        return None
 
     def _find(
         self, frame: Frame, camera: CameraModel, settings: Settings, up: Tuple[float, ...]

@@ -60,7 +60,9 @@ class Frame:
 
 
 Callback = Callable[[Frame], Any]
-KEPT = object()  # what a callback returns that keeps its frame, until it goes on with it: go_on()
+# What a callback returns that has not processed its frame, which counts as nothing as long as it
+# does not go on with it: go_on().
+KEPT = object()
 
 
 class FrameError(ValueError):
