@@ -35,6 +35,7 @@ from .. import (
     to_metres,
     to_millimetres,
 )
+from ..common.params import with_values
 
 __all__ = [
     "locate",
@@ -71,7 +72,7 @@ def register(
         ValueError: An image, a parameter or the matrix cannot be used.
         AttributeError: There is no such parameter.
     """
-    params = _filled(RegistrationParams(), values)
+    params = with_values(RegistrationParams(), values)
     return DepthRegistration(depth_camera, color_camera, depth_to_color, params).apply(image)
 
 
@@ -85,7 +86,7 @@ def normals(image: np.ndarray, camera: CameraModel, **values: Any) -> np.ndarray
 
     `values` are NormalParams by their names: radius=3. Raises as register() does.
     """
-    return DepthNormals(camera, _filled(NormalParams(), values)).apply(image)
+    return DepthNormals(camera, with_values(NormalParams(), values)).apply(image)
 
 
 def planes(image: np.ndarray, camera: CameraModel, **values: Any) -> Tuple[List[Plane], np.ndarray]:
@@ -94,7 +95,7 @@ def planes(image: np.ndarray, camera: CameraModel, **values: Any) -> Tuple[List[
     The array is 1 for pixels of the first plane, 2 of the second, ...; 0 of none. `values` are
     PlaneParams by their names: noise=0.004. Raises as register() does.
     """
-    return PlaneFinder(camera, _filled(PlaneParams(), values)).find(image)
+    return PlaneFinder(camera, with_values(PlaneParams(), values)).find(image)
 
 
 def tables(
@@ -112,7 +113,7 @@ def tables(
     Args:
         up: What is up in the camera's optical frame; None: the largest plane is the table.
     """
-    params = _filled(TabletopParams(), values)
+    params = with_values(TabletopParams(), values)
     finder = TabletopFinder(camera, plane_params or PlaneParams(), params)
     return finder.find(image, (0.0, 0.0, 0.0) if up is None else up)
 
@@ -139,14 +140,6 @@ def locate(
         radius: Of a sphere, px; 0: that of the box.
         errors: How wrong the depths are; None: those of a Kinect.
     """
-    params = _filled(LocatorParams(), values)
+    params = with_values(LocatorParams(), values)
     locator = RegionLocator(camera, params, errors or DepthErrorParams())
     return locator.locate(image, box, outline, center, radius)
-
-
-def _filled(params: Any, values: Any) -> Any:
-    for name, value in values.items():
-        if not hasattr(params, name):
-            raise AttributeError(f"there is no parameter {name} of {type(params).__name__}")
-        setattr(params, name, value)
-    return params

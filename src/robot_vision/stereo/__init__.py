@@ -7,7 +7,7 @@
 """
 
 from dataclasses import dataclass
-from typing import Any, Dict, Sequence
+from typing import Any, Sequence
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from .. import (
     is_equidistant,
 )
 from ..common import opencv as cv2
+from ..common.params import with_values
 
 __all__ = ["Match", "calibrated_pair", "match", "match_rectified"]
 
@@ -105,7 +106,7 @@ def match(
     """
     rectifiers = Rectifier(pair.left), Rectifier(pair.right)
     gray = [one.apply(image, encoding, "mono8") for one, image in zip(rectifiers, (left, right))]
-    matcher = StereoMatcher(_params(values))
+    matcher = StereoMatcher(with_values(StereoParams(), values))
     disparity = matcher.match(*gray, "mono8", *(one.seen for one in rectifiers))
     return Match(rectifiers[0].apply(left, encoding), disparity, pair.geometry)
 
@@ -117,17 +118,8 @@ def match_rectified(
 
     Raises as match() does.
     """
-    return StereoMatcher(_params(values)).match(left, right, encoding)
+    return StereoMatcher(with_values(StereoParams(), values)).match(left, right, encoding)
 
 
 def _coefficients(model: CameraModel) -> np.ndarray:
     return np.array(model.D or [0.0] * 5)
-
-
-def _params(values: Dict[str, Any]) -> StereoParams:
-    params = StereoParams()
-    for name, value in values.items():
-        if not hasattr(params, name):
-            raise AttributeError(f"there is no parameter {name} of StereoParams")
-        setattr(params, name, value)
-    return params
