@@ -64,7 +64,8 @@ void bindFunctions(py::module& m)
   m.def("filter_frequencies", applyFilter<FrequencyFilter, SpectrumParams>, "image"_a, "encoding"_a = "bgr8",
         "params"_a = SpectrumParams(),
         "The gray image with only the frequencies that the filter keeps: (height, width) float32, gray levels; of "
-        "high_pass and band_pass with a mean of 0.\n\n"
+        "high_pass and band_pass with a mean of 0 over the image filled up with its last row and column, if it is "
+        "(optimal_size).\n\n"
         "Raises ValueError for a parameter out of range or an image that is not of this encoding.");
 }
 

@@ -149,6 +149,21 @@ def test_filtering_is_multiplication_by_the_mask(name):
         assert np.abs(filtered - expected).max() < 1e-3
 
 
+@pytest.mark.parametrize("name", ["high_pass", "band_pass"])
+def test_the_mean_is_that_of_the_image_filled_up(name):
+    image = np.zeros((257, 257), np.uint8)
+    image[:, -1] = 255
+    own = rv.filter_frequencies(image, "mono8", params(filter=name, optimal_size=False))
+    assert own.mean() == pytest.approx(0.0, abs=1e-3)
+    values = params(filter=name)
+    full = np.pad(image, (0, 13), mode="edge")  # 270 = 2 * 3^3 * 5
+    mask = np.fft.ifftshift(rv.frequency_mask(full.shape, values))
+    expected = np.fft.ifft2(np.fft.fft2(full) * mask).real
+    assert expected.mean() == pytest.approx(0.0, abs=1e-3)
+    filtered = rv.filter_frequencies(image, "mono8", values)
+    assert np.abs(filtered - expected[:257, :257]).max() < 1e-3
+
+
 def test_the_mask_is_centred_and_round_in_frequency():
     mask = rv.frequency_mask((60, 80), params(filter="low_pass", shape="ideal", radius=0.5))
     assert mask[30, 40] == 1.0

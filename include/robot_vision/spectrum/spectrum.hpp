@@ -77,9 +77,10 @@ public:
   /// Throws std::invalid_argument as validate() does.
   explicit FrequencyFilter(const SpectrumParams& params = SpectrumParams());
 
-  /// Writes CV_32FC1, gray levels, into `filtered` (reused if it fits); what has passed high_pass or band_pass has a
-  /// mean of 0. `image` is not modified. Throws std::invalid_argument if `image` is not of `encoding` (see
-  /// encoding.hpp).
+  /// Writes CV_32FC1, gray levels, into `filtered` (reused if it fits). What has passed high_pass or band_pass has a
+  /// mean of 0 over the image that is transformed: with optimal_size the image filled up with its last row and column,
+  /// so that what is written differs from 0 by what they differ from the rest. `image` is not modified. Throws
+  /// std::invalid_argument if `image` is not of `encoding` (see encoding.hpp).
   void apply(const cv::Mat& image, const std::string& encoding, cv::Mat& filtered);
 
   /// Writes what apply() has made as an image to look at (CV_8UC1) into `shown`: of high_pass and band_pass 0 is gray
