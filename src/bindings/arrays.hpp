@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <cstdlib>
 #include <opencv2/core.hpp>
 #include <opencv2/core/affine.hpp>
 #include <string>
@@ -69,6 +68,7 @@ struct ImageArray
 inline cv::Mat canvas(const py::array& bgr)
 {
   const ImageArray image(bgr);
+  if (bgr.size() == 0) throw py::value_error("cannot draw on an array without pixels");
   if (!bgr.writeable()) throw py::value_error("cannot draw on an array that is read-only");
   if (image.array.data() != bgr.data()) throw py::value_error("cannot draw on an array with gaps in its rows");
   return image.view;
@@ -112,7 +112,7 @@ inline std::vector<cv::Point> toPoints(const py::object& object)
   std::vector<cv::Point> pixels;
   for (const auto* point = values.data(); point != values.data() + values.size(); point += 2)
   {
-    if (std::max(std::abs(point[0]), std::abs(point[1])) > far)
+    if (std::min(point[0], point[1]) < -far || std::max(point[0], point[1]) > far)
       throw py::value_error("expected points in an image, got (" + std::to_string(point[0]) + ", " +
                             std::to_string(point[1]) + ")");
     pixels.emplace_back(static_cast<int>(point[0]), static_cast<int>(point[1]));
@@ -122,6 +122,17 @@ inline std::vector<cv::Point> toPoints(const py::object& object)
 
 /// Numbers from Python, of any type that NumPy converts to double.
 using Matrix = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+/// Numbers from Python, of any type that NumPy converts to float32.
+using FloatArray = py::array_t<float, py::array::c_style | py::array::forcecast>;
+
+/// A view of a (height, width) array, which must outlive it; `expected` is what a message calls it.
+inline cv::Mat floatView(const FloatArray& values, const std::string& expected = "(height, width) array of numbers")
+{
+  if (values.ndim() != 2) throw py::value_error("expected a " + expected);
+  return {static_cast<int>(values.shape(0)), static_cast<int>(values.shape(1)), CV_32FC1,
+          const_cast<float*>(values.data())};
+}
 
 /// `expected` is what a message calls it.
 inline cv::Affine3d toPose(const Matrix& matrix, const std::string& expected = "4x4 pose")

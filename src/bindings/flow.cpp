@@ -15,10 +15,8 @@ using namespace py::literals;
 namespace flow_bindings
 {
 
-using FlowArray = py::array_t<float, py::array::c_style | py::array::forcecast>;
-
 /// A view of an array of a flow, which must outlive it.
-cv::Mat flowView(const FlowArray& flow)
+cv::Mat flowView(const FloatArray& flow)
 {
   if (flow.ndim() != 3 || flow.shape(2) != 2) throw py::value_error("expected a (height, width, 2) array of a flow");
   return {static_cast<int>(flow.shape(0)), static_cast<int>(flow.shape(1)), CV_32FC2, const_cast<float*>(flow.data())};
@@ -27,17 +25,17 @@ cv::Mat flowView(const FlowArray& flow)
 void bindFunctions(py::module& m)
 {
   m.def(
-      "mean_flow", [](const FlowArray& flow) { return toPython(meanFlow(flowView(flow))); }, "flow"_a,
+      "mean_flow", [](const FloatArray& flow) { return toPython(meanFlow(flowView(flow))); }, "flow"_a,
       "The mean (x, y) of a flow, (height, width, 2) float32, in its unit.\n\nRaises ValueError for what is none.");
   m.def(
-      "median_flow", [](const FlowArray& flow) { return toPython(medianFlow(flowView(flow))); }, "flow"_a,
+      "median_flow", [](const FloatArray& flow) { return toPython(medianFlow(flowView(flow))); }, "flow"_a,
       "The median of x and that of y of a flow, (height, width, 2) float32: how most of the image moves. As of the "
       "mean, "
       "each is NaN if it is for a pixel.\n\n"
       "Raises ValueError for what is none.");
   m.def(
       "flow_to_colors",
-      [](const FlowArray& flow, double max_speed)
+      [](const FloatArray& flow, double max_speed)
       {
         const cv::Mat view = flowView(flow);
         return imageFrom([&](cv::Mat& bgr) { flowToColors(view, max_speed, bgr); });
@@ -50,7 +48,7 @@ void bindFunctions(py::module& m)
       "Raises ValueError for what is no flow, and a speed out of range.");
   m.def(
       "draw_flow_arrows",
-      [](const py::array& bgr, const FlowArray& flow, int spacing, double scale)
+      [](const py::array& bgr, const FloatArray& flow, int spacing, double scale)
       {
         cv::Mat image = canvas(bgr);
         const cv::Mat view = flowView(flow);

@@ -17,14 +17,9 @@ using namespace py::literals;
 namespace histogram_bindings
 {
 
-/// A two-dimensional histogram from Python, of any type that NumPy converts to float32.
-using Counts = py::array_t<float, py::array::c_style | py::array::forcecast>;
-
-cv::Mat toCounts(const Counts& counts)
+cv::Mat toCounts(const FloatArray& counts)
 {
-  if (counts.ndim() != 2) throw py::value_error("expected a histogram of 2 dimensions");
-  return cv::Mat(static_cast<int>(counts.shape(0)), static_cast<int>(counts.shape(1)), CV_32FC1,
-                 const_cast<float*>(counts.data()));
+  return floatView(counts, "histogram of 2 dimensions");
 }
 
 void bindChannels(py::module& m)
@@ -84,7 +79,7 @@ void bindHueSaturation(py::module& m)
       "Raises ValueError for an image that is not of this encoding, and for a region that is not inside of it.");
   m.def(
       "back_project",
-      [](const py::array& image, const Counts& histogram, const std::string& encoding,
+      [](const py::array& image, const FloatArray& histogram, const std::string& encoding,
          const HueSaturationParams& params)
       {
         const ImageArray input(image);
@@ -97,7 +92,7 @@ void bindHueSaturation(py::module& m)
       "Raises ValueError for an image that is not of this encoding, and for a histogram of other bins.");
   m.def(
       "compare_histograms",
-      [](const Counts& a, const Counts& b, const std::string& method)
+      [](const FloatArray& a, const FloatArray& b, const std::string& method)
       { return compareHistograms(toCounts(a), toCounts(b), method); },
       "a"_a, "b"_a, "method"_a = "correlation",
       "How alike two histograms are by correlation, chi_square, intersection or bhattacharyya.\n\n"
@@ -119,7 +114,7 @@ void bindPlot(py::module& m)
       "Raises ValueError for what is no such image.");
   m.def(
       "draw_hue_saturation",
-      [](const Counts& histogram, const HistogramPlotParams& params)
+      [](const FloatArray& histogram, const HistogramPlotParams& params)
       {
         const cv::Mat counts = toCounts(histogram);
         return imageFrom([&](cv::Mat& out) { drawHueSaturation(counts, params, out); });

@@ -122,10 +122,8 @@ py::array applyNoise(const DepthNoise& noise, std::int64_t frame, const py::arra
 {
   if (exact.dtype().kind() != 'f')
     throw py::type_error("expected depth as an array of float32, got " + std::string(py::str(exact.dtype())));
-  if (exact.ndim() != 2) throw py::value_error("expected a (height, width) array of depth");
-  const py::array_t<float, py::array::c_style | py::array::forcecast> values(exact);
-  const cv::Mat depth(static_cast<int>(values.shape(0)), static_cast<int>(values.shape(1)), CV_32FC1,
-                      const_cast<float*>(values.data()));
+  const FloatArray values(exact);
+  const cv::Mat depth = floatView(values, "(height, width) array of depth");
   const std::optional<ImageArray> light = brightness ? std::optional<ImageArray>(*brightness) : std::nullopt;
   return imageFrom([&](cv::Mat& noisy) { noise.apply(frame, depth, light ? light->view : cv::Mat(), noisy); });
 }

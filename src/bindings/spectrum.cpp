@@ -31,11 +31,9 @@ void bindFunctions(py::module& m)
       "Raises ValueError for a parameter out of range or an image that is not of this encoding.");
   m.def(
       "spectrum_image",
-      [](const py::array_t<float, py::array::c_style | py::array::forcecast>& magnitude)
+      [](const FloatArray& magnitude)
       {
-        if (magnitude.ndim() != 2) throw py::value_error("expected a (rows, columns) array of a magnitude");
-        const cv::Mat view(static_cast<int>(magnitude.shape(0)), static_cast<int>(magnitude.shape(1)), CV_32FC1,
-                           const_cast<float*>(magnitude.data()));
+        const cv::Mat view = floatView(magnitude, "(rows, columns) array of a magnitude");
         return imageFrom([&](cv::Mat& image) { image = spectrumImage(view); });
       },
       "magnitude"_a,

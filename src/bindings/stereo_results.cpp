@@ -15,16 +15,6 @@ using namespace py::literals;
 namespace stereo_results_bindings
 {
 
-using FloatArray = py::array_t<float, py::array::c_style | py::array::forcecast>;
-
-/// A view of an array of disparities or depths, which must outlive it.
-cv::Mat floatView(const FloatArray& values)
-{
-  if (values.ndim() != 2) throw py::value_error("expected a (height, width) array of numbers");
-  return {static_cast<int>(values.shape(0)), static_cast<int>(values.shape(1)), CV_32FC1,
-          const_cast<float*>(values.data())};
-}
-
 cv::Matx33d toFundamental(const Matrix& F)
 {
   if (F.size() != 9) throw py::value_error("F has " + std::to_string(F.size()) + " numbers, must have 9");

@@ -25,14 +25,6 @@ std::optional<ImageArray> optionalImage(const std::optional<py::array>& array)
   return array ? std::optional<ImageArray>(*array) : std::nullopt;
 }
 
-/// (height, width) float32.
-cv::Mat responseOf(const py::array_t<float, py::array::c_style | py::array::forcecast>& response)
-{
-  if (response.ndim() != 2) throw py::value_error("expected a (height, width) response");
-  return cv::Mat(static_cast<int>(response.shape(0)), static_cast<int>(response.shape(1)), CV_32FC1,
-                 const_cast<float*>(response.data()));
-}
-
 void bindResponse(py::module& m)
 {
   m.def(
@@ -50,9 +42,9 @@ void bindResponse(py::module& m)
       "Raises ValueError if sizes or types do not fit, and for a mask if this OpenCV takes none with the method.");
   m.def(
       "response_image",
-      [](const py::array_t<float, py::array::c_style | py::array::forcecast>& response, const std::string& method)
+      [](const FloatArray& response, const std::string& method)
       {
-        const cv::Mat view = responseOf(response);
+        const cv::Mat view = floatView(response, "(height, width) response");
         return imageFrom([&](cv::Mat& out) { out = responseImage(view, method); });
       },
       "response"_a, "method"_a = "ccoeff_normed",

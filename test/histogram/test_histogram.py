@@ -242,6 +242,8 @@ def test_a_histogram_of_other_bins_is_refused():
         rv.back_project(PHOTOGRAPH, counts, "bgr8", colors(hue_bins=16))
     with pytest.raises(ValueError, match="expected a histogram of 2 dimensions"):
         rv.back_project(PHOTOGRAPH, counts[0])
+    with pytest.raises(ValueError, match="the first histogram is 0x0 bins, must be at least 1x1"):
+        rv.compare_histograms(counts[:0, :0], counts[:0, :0])
 
 
 METHODS = {

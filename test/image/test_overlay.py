@@ -39,6 +39,8 @@ def test_drawing_changes_the_array_itself(draw):
             ValueError,
             r"expected points in an image, got \(3, 1099511627776\)",
         ),
+        (np.array([(2**63, 5)], np.uint64), ValueError, "expected points in an image"),
+        (np.array([(5, -(2**63))]), ValueError, "expected points in an image"),
         ([1, 2, 3], ValueError, r"expected an \(n, 2\) array of points"),
     ],
 )
@@ -54,6 +56,11 @@ def test_array_that_cannot_be_drawn_on_is_refused(draw):
         with pytest.raises(ValueError):
             draw(wrong)
         assert not wrong.any()
+
+
+def test_array_without_pixels_cannot_be_drawn_on(draw):
+    with pytest.raises(ValueError, match="cannot draw on an array without pixels"):
+        draw(np.zeros((0, 0, 3), np.uint8))
 
 
 def test_empty_trail_and_outline_draw_nothing():

@@ -35,6 +35,8 @@ def test_segments_are_measured():
 def test_another_kind_of_image_has_no_segments():
     with pytest.raises(ValueError, match="label image"):
         rv.find_segments(np.zeros((4, 5), np.uint8))
+    with pytest.raises(ValueError, match=r"^a label image of 5x0 is empty"):
+        rv.find_segments(np.zeros((0, 5), np.uint16))
 
 
 def painted(image, labels, **values):

@@ -76,6 +76,13 @@ def test_few_or_random_points_have_no_fundamental_matrix():
         rv.find_fundamental(left, right[1:])
 
 
+def test_distances_from_lines_of_nothing():
+    left, right = seen_points(3)
+    unknown = np.full((3, 3), np.nan)
+    assert np.isnan(rv.epipolar_distances(left, right, unknown)).all()
+    assert rv.epipolar_distances(left, right, np.zeros((3, 3))) == [0.0] * 3  # epipoles
+
+
 def test_what_is_matched_is_the_same_thing():
     left, right = stereo_images.pair_of(Plane(10.0))
     from_left, from_right = rv.match_pair(left, right, "mono8", 300)

@@ -53,7 +53,7 @@ cv::Matx33d rectifiedFundamental();
 /// Finds it by cv::findFundamentalMat with RANSAC; none if fewer than 15 matches agree.
 std::optional<FundamentalMatrix> findFundamental(const PairMatches& matches);
 
-/// The distance of each right point from the line of its left point, px.
+/// The distance of each right point from the line of its left point, px; NaN where F or a point is.
 std::vector<double> epipolarDistances(const PairMatches& matches, const cv::Matx33d& F);
 
 // These draw both images beside each other (CV_8UC3, BGR, the left one left) into `out`, which is reused if it fits and

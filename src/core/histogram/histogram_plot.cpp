@@ -180,8 +180,8 @@ void plotHistogram(const cv::Mat& bgr, const std::vector<ChannelHistogram>& hist
 void drawHueSaturation(const cv::Mat& histogram, const HistogramPlotParams& params, cv::Mat& out)
 {
   validate(params);
-  require(!histogram.empty() && histogram.type() == CV_32FC1, "the histogram", describePixels(histogram.type()),
-          describePixels(CV_32FC1));
+  require(!histogram.empty(), "the histogram", sizeText(histogram.rows, histogram.cols) + " bins", "at least 1x1 bins");
+  require(histogram.type() == CV_32FC1, "the histogram", describePixels(histogram.type()), describePixels(CV_32FC1));
   double max = 0.0;
   cv::minMaxLoc(histogram, nullptr, &max);
   const int hues = histogram.rows, saturations = histogram.cols;

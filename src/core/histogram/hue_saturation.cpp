@@ -65,8 +65,8 @@ double compareHistograms(const cv::Mat& a, const cv::Mat& b, const std::string& 
 {
   const auto found = kMethods.find(method);
   require(found != kMethods.end(), "method", method, "correlation, chi_square, intersection or bhattacharyya");
-  require(a.type() == CV_32FC1 && !a.empty(), "the first histogram", describePixels(a.type()),
-          describePixels(CV_32FC1));
+  require(!a.empty(), "the first histogram", sizeText(a.rows, a.cols) + " bins", "at least 1x1 bins");
+  require(a.type() == CV_32FC1, "the first histogram", describePixels(a.type()), describePixels(CV_32FC1));
   require(a.type() == b.type() && a.size() == b.size(), "the second histogram",
           sizeText(b.rows, b.cols) + " bins of " + describePixels(b.type()),
           "as the first, of " + sizeText(a.rows, a.cols));

@@ -61,7 +61,7 @@ Region largestPiece(const cv::Mat& mask)
 
 void checkLabels(const cv::Mat& labels)
 {
-  checkPixels(labels, "a label image", CV_16UC1);
+  checkPixels(labels, "a label", CV_16UC1);
 }
 
 /// A colour of each label, BGR, as different as they can be.

@@ -62,7 +62,7 @@ std::vector<double> epipolarDistances(const PairMatches& matches, const cv::Matx
     const double side = line.dot(cv::Vec3d(matches.right[i].x, matches.right[i].y, 1.0));
     const double length = std::hypot(line[0], line[1]);
     // The point at the epipole has no line: everything is on it.
-    distances.push_back(length > 0.0 ? std::abs(side) / length : 0.0);
+    distances.push_back(length == 0.0 ? 0.0 : std::abs(side) / length);
   }
   return distances;
 }
