@@ -43,6 +43,12 @@ public:
     outputs.advertise<geometry_msgs::Vector3Stamped>("median");
   }
 
+  /// After a time without subscribers the first frame has no flow from the last one before.
+  void listen(bool listens)
+  {
+    if (!listens) finder_->reset();
+  }
+
   void process(const sensor_msgs::ImageConstPtr& message, const cv::Mat& image, LazyOutputs& outputs)
   {
     const std_msgs::Header& header = message->header;

@@ -42,6 +42,12 @@ public:
     outputs.advertise<geometry_msgs::Vector3Stamped>("shift");
   }
 
+  /// After a time without subscribers the first frame has no shift from the last one before.
+  void listen(bool listens)
+  {
+    if (!listens) correlator_->reset();
+  }
+
   void process(const sensor_msgs::ImageConstPtr& message, const cv::Mat& image, LazyOutputs& outputs)
   {
     const std::optional<ImageShift> shift = publishShift(*message, image, outputs);
@@ -67,10 +73,14 @@ public:
   }
 
 private:
-  /// The shift, if somebody looks at it.
+  /// The shift, if somebody looks at it; else the next one that is looked at has no frame before.
   std::optional<ImageShift> publishShift(const sensor_msgs::Image& message, const cv::Mat& image, LazyOutputs& outputs)
   {
-    if (!outputs.isWanted("shift") && !outputs.isWanted("processed_image")) return std::nullopt;
+    if (!outputs.isWanted("shift") && !outputs.isWanted("processed_image"))
+    {
+      correlator_->reset();
+      return std::nullopt;
+    }
     const auto shift = correlator_->update(message.header.stamp.toSec(), image, message.encoding);
     if (shift && shift->found && outputs.isWanted("shift"))
     {

@@ -115,6 +115,20 @@ def test_speeds_need_no_other_topic(start):
     assert watched.answers(1)["median"].vector.x == pytest.approx(SHIFT[0] * RATE, abs=1.0)
 
 
+def test_after_a_time_without_subscribers_the_first_frame_has_no_flow(start):
+    watched = Watched(start, topics=("median",))
+    watched.begin(0)
+    watched.answers(1)
+    watched.topics["median"].close()
+    watched.camera.wait_for(0)
+    watched.topics["median"] = support.subscribed("/flow/median", Vector3Stamped)
+    watched.camera.wait_for()
+    first = watched.begin(7)
+    median = watched.answers(8)["median"].vector
+    assert (median.x, median.y) == pytest.approx(SHIFT * RATE, abs=1.0)
+    assert first.stamp not in map(support.stamp_of, watched.topics["median"].received)
+
+
 def test_it_is_a_nodelet_behind_the_camera(start):
     manager = support.NodeletManager(start)
     rospy.set_param("/camera/source", "synthetic")

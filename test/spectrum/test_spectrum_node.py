@@ -111,6 +111,31 @@ def test_the_shift_is_published_and_written_on_the_spectrum(start, camera):
     assert (second.vector.x, second.vector.y) == pytest.approx((4, 0), abs=0.1)
 
 
+def test_the_first_frame_after_a_time_without_subscribers_has_no_shift(start, camera):
+    """Nobody subscribes to ~shift for a time, then nobody to anything."""
+    watched = Watched(start, camera, topics=["magnitude"])
+    for x in (0, 30):
+        shifts = support.subscribed("/spectrum/shift", Vector3Stamped)
+        watched.show(frame(x))
+        watched.show(frame(x + 5))
+        (shift,) = shifts.wait()
+        assert (shift.vector.x, shift.vector.y) == pytest.approx((5, 0), abs=0.1)
+        shifts.close()
+        support.wait_for(
+            lambda: not support.sends("/spectrum", "/spectrum/shift"), "the end of the shifts"
+        )
+        watched.show(frame(x + 10))
+    watched.images["magnitude"].close()
+    camera.wait_for(0)
+    watched.images["magnitude"] = support.subscribed("/spectrum/magnitude", Image)
+    shifts = support.subscribed("/spectrum/shift", Vector3Stamped)
+    camera.wait_for()
+    for x in (60, 65):
+        watched.show(frame(x))
+    (shift,) = shifts.wait()
+    assert (shift.vector.x, shift.vector.y) == pytest.approx((5, 0), abs=0.1)
+
+
 def test_it_is_a_nodelet_behind_the_camera(start):
     manager = support.NodeletManager(start)
     rospy.set_param("/camera/source", "synthetic")

@@ -21,7 +21,7 @@ namespace robot_vision
 ///   void advertise(LazyOutputs& outputs);                            // after the first configure()
 ///   void process(const sensor_msgs::ImageConstPtr& message, const cv::Mat& image, LazyOutputs& outputs);
 ///
-///   void listen(bool listens);  // if it has other inputs: whether somebody subscribes to the results
+///   void listen(bool listens);  // if it has other inputs or a memory: whether somebody subscribes
 ///
 /// `image` views the pixels of the message; process() throws std::exception to refuse it. The manager of the nodelets
 /// calls these functions, and the callbacks of both handles, one after the other. `Input` may be another one with
