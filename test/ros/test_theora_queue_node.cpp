@@ -80,6 +80,7 @@ TEST(Theora, givesTheNewestOfTheFramesThatWait)
   const ros::Subscriber all = counter.node.subscribe<TheoraPacketMessage>("clip/theora", 1000, count);
   ASSERT_TRUE(waitFor([&publisher] { return publisher.getNumSubscribers() == 1; }));
   int sent = 0;
+  std::vector<std::uint32_t> numbers;      // of the last images of bursts
   for (const int burst : {20, 1, 2, 100})  // with a whole image in the last one, of which the queue holds the end
   {
     for (int i = 0; i < burst; ++i)
@@ -95,10 +96,45 @@ TEST(Theora, givesTheNewestOfTheFramesThatWait)
     receiver.callbacks.callAvailable();
     ASSERT_FALSE(seen.empty());
     EXPECT_NEAR(seen.back()->data.front(), sent, 3) << burst;
+    numbers.push_back(seen.back()->header.seq);
   }
-  ASSERT_EQ(seen.size(), 4U);
-  for (const std::size_t i : {1U, 2U, 3U})  // numbers count images, not packets
-    EXPECT_EQ(seen[i]->header.seq - seen[i - 1]->header.seq, (std::vector<std::uint32_t>{20, 1, 2, 100})[i]);
+  EXPECT_LT(seen.size(), 60U);              // On a busy machine one is given now and then while others wait.
+  for (const std::size_t i : {1U, 2U, 3U})  // Numbers count images, not packets.
+    EXPECT_EQ(numbers[i] - numbers[i - 1], (std::vector<std::uint32_t>{20, 1, 2, 100})[i]);
+}
+
+// As from a camera that is faster than decoding.
+TEST(Theora, givesImagesThoughMessagesWaitAllTheTime)
+{
+  Side sender, receiver, counter;
+  image_transport::Publisher publisher = sender.transport->advertise("fast", 1);
+  int images = 0, messages = 0, sent = 0;
+  const image_transport::Subscriber subscriber = receiver.transport->subscribe(
+      "fast", 1, [&images](const sensor_msgs::ImageConstPtr&) { ++images; }, ros::VoidPtr(),
+      image_transport::TransportHints("theora"));
+  const auto count = [&messages](const TheoraPacketMessage::ConstPtr&) { ++messages; };
+  const ros::Subscriber all = counter.node.subscribe<TheoraPacketMessage>("fast/theora", 1000, count);
+  ASSERT_TRUE(waitFor([&publisher] { return publisher.getNumSubscribers() == 1; }));
+  const auto send = [&]
+  {
+    const int before = messages;
+    publisher.publish(grayImage(++sent));
+    EXPECT_TRUE(waitFor(
+        [&]
+        {
+          counter.callbacks.callAvailable();
+          return messages > before;
+        }));
+  };
+  send();
+  send();
+  while (images == 0 && sent < 60)
+  {
+    send();
+    receiver.callbacks.callOne(ros::WallDuration(1.0));  // one message, of which more wait than it takes
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_EQ(images, 1);
 }
 
 int main(int argc, char** argv)

@@ -74,7 +74,8 @@ struct TheoraDecoder::Stream
       setPostProcessing(post_processing);
     }
     if (th_packet_isheader(&ogg) == 1) return false;  // repeated headers of which the first was lost
-    const bool follows = keyframe_seen && packet.number == number + 1;
+    const bool follows =
+        keyframe_seen && static_cast<std::uint64_t>(packet.number) == static_cast<std::uint64_t>(number) + 1;
     number = packet.number;
     keyframe_seen = follows || th_packet_iskeyframe(&ogg) == 1;
     if (!keyframe_seen) return false;

@@ -1,8 +1,10 @@
 #include <robot_vision/TheoraPublisherConfig.h>
 
+#include <chrono>
 #include <mutex>
 #include <pluginlib/class_list_macros.hpp>
 
+#include "decode_backlog.hpp"
 #include "robot_vision/codecs/theora.hpp"
 #include "robot_vision/image/encoding.hpp"
 #include "ros/params/fields.hpp"
@@ -31,6 +33,12 @@ TheoraPacketMessage toMessage(const TheoraPacket& packet, const std_msgs::Header
 TheoraPacket toPacket(const TheoraPacketMessage& message)
 {
   return {message.data, message.b_o_s != 0, message.e_o_s != 0, message.granulepos, message.packetno};
+}
+
+/// Whether the packet is a frame, but no whole image (Theora specification, 6.1 and 7.1).
+bool isChange(const TheoraPacket& packet)
+{
+  return packet.data.empty() || (packet.data[0] & 0xC0) == 0x40;
 }
 
 }  // namespace
@@ -84,7 +92,7 @@ private:
 };
 
 /// Subscribes to "theora" and gives bgr8. All frames since the last whole image are decoded, also for a node that is
-/// slower than the camera and uses the newest alone.
+/// slower than the camera and uses the newest alone, unless they come faster than they can be decoded.
 /// Live parameter: `post_processing_level`, 0 to 7, softens the edges of blocks.
 class TheoraSubscriber : public TransportSubscriber<TheoraPacketMessage>
 {
@@ -100,6 +108,9 @@ private:
     nh().getParamCached("post_processing_level", level);
     decoder_.setPostProcessing(level);
     const TheoraPacket packet = toPacket(message);
+    // The decoder goes on with the next whole image.
+    if (isChange(packet) && backlog_.isTooLong(waiting())) return nullptr;
+    const auto begin = std::chrono::steady_clock::now();
     if (!decoder_.decode(packet, bgr_)) return nullptr;
     const sensor_msgs::ImagePtr image = makeImage(message.header,
                                                   [this](cv::Mat& pixels)
@@ -108,20 +119,23 @@ private:
                                                     return std::string("bgr8");
                                                   });
     image->header.seq = sequenceOf(packet);
+    backlog_.decoded(std::chrono::steady_clock::now() - begin);
     return image;
   }
 
   /// The number of an image. roscpp has numbered all messages, of which some are headers.
   std::uint32_t sequenceOf(const TheoraPacket& frame)
   {
-    const std::int64_t step = frame.number - number_;
+    // Another stream begins anew.
+    const auto step = static_cast<std::uint32_t>(frame.number) - static_cast<std::uint32_t>(number_);
+    sequence_ += frame.number > number_ ? step : 1;
     number_ = frame.number;
-    sequence_ += step > 1 ? static_cast<std::uint32_t>(step) : 1;  // another stream begins anew
     return sequence_;
   }
 
   std::int64_t number_ = 0;     // of the last frame's packet
   std::uint32_t sequence_ = 0;  // of its image
+  DecodeBacklog backlog_;
   TheoraDecoder decoder_;
   cv::Mat bgr_;
 };

@@ -3,6 +3,8 @@
 #include <image_transport/subscriber_plugin.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
@@ -26,8 +28,8 @@ public:
   void shutdown() override { subscriber_.shutdown(); }
 
 protected:
-  /// `more_messages` is how many further messages may be needed for one image. Of the images of all that wait only as
-  /// many as the queue is to hold are given, the newest ones.
+  /// `more_messages` is how many further messages may be needed for one image. An image is given when fewer messages
+  /// wait behind it than the queue is to hold, and in place of one that has waited for too long.
   explicit TransportSubscriber(std::uint32_t more_messages = 0) : more_messages_(more_messages) {}
 
   /// The image of a message, null if it has none. Throws for a message that cannot be used.
@@ -40,6 +42,9 @@ protected:
     image->header = header;
     return image;
   }
+
+  /// The number of messages that wait behind the one that is decoded.
+  std::int64_t waiting() const { return waiting_->count(); }
 
   /// The namespace of the transport's parameters.
   const ros::NodeHandle& nh() const { return *nh_; }
@@ -67,7 +72,7 @@ private:
     {
       if (sensor_msgs::ImagePtr image = decode(message))
       {
-        if (newest_) ++left_out_;
+        if (!newest_) kept_since_ = Clock::now();
         newest_ = std::move(image);
       }
     }
@@ -76,15 +81,17 @@ private:
       if (refused_.due()) ROS_ERROR("refused a frame on %s: %s", getTopic().c_str(), e.what());
     }
     // A sender that is faster than decode() is must not keep all images away.
-    if (!newest_ || (waiting_->count() >= queue_size_ && left_out_ < more_messages_)) return;
-    left_out_ = 0;
-    callback(std::exchange(newest_, nullptr));
+    const bool is_due = more_messages_ == 0 || Clock::now() - kept_since_ > kMaxWait;
+    if (newest_ && (waiting() < queue_size_ || is_due)) callback(std::exchange(newest_, nullptr));
   }
+
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::chrono::milliseconds kMaxWait{100};
 
   std::uint32_t more_messages_;
   std::uint32_t queue_size_ = 1;
-  std::uint32_t left_out_ = 0;    // images since the last one that was given
   sensor_msgs::ImagePtr newest_;  // that is not given as long as enough messages wait
+  Clock::time_point kept_since_;  // when the first one was not
   std::unique_ptr<WaitingMessages> waiting_;
   std::unique_ptr<ros::NodeHandle> nh_;
   ImageMaker maker_;
