@@ -63,6 +63,14 @@ def test_nothing_is_late_after_the_stamps_went_back():
     assert pairs.lateness() == ""
 
 
+def test_frames_from_before_the_stamps_went_back_are_dropped():
+    pairs = FramePairs()
+    for seconds in (0.0, 1.0, 1.4, 0.5):
+        assert pairs.message_of(Frame(SMALL, "32FC1", header(seconds))) is None
+    assert pairs.frame_of(DetectionArray(header=header(1.0))) is None
+    assert pairs.frame_of(DetectionArray(header=header(0.5))) is not None
+
+
 def test_pairs_without_frames_say_nothing():
     pairs, _ = shown(SMALL, 2.2)
     pairs.clear()

@@ -18,6 +18,7 @@ from frames import Camera, Source
 from geometry_msgs.msg import Point
 from sensor_msgs.msg import Image, RegionOfInterest
 from std_msgs.msg import Header
+from still_clock import StillClock
 
 from robot_vision.msg import (
     Detection,
@@ -27,7 +28,9 @@ from robot_vision.msg import (
     TrackState,
     TrackStateArray,
 )
+from robot_vision.ros.image_node import INPUT_TIMEOUT
 from robot_vision.srv import ForgetObject, SelectObject
+from robot_vision.tracking import auto_selection
 from robot_vision.tracking.auto_selection import AutoSelection, corners_of
 from robot_vision.tracking.selections import MAX_OBJECTS, TrackSelection, TrackSelections
 from robot_vision.transport import Frame
@@ -541,6 +544,43 @@ def test_detections_that_are_of_no_frame_are_told(off, apart):
     assert not selector.selected
     assert selection.misfit.startswith(f"the last is of none of the images, the nearest {apart}")
     assert selection.misfit.endswith(" s off")
+
+
+def test_what_is_lost_when_a_short_recording_begins_anew_is_selected_again():
+    selector, selection = selecting(0.2)
+    for times in (1, 2, 3):
+        shown(selection, selector, 5, 45)  # of 1.5 s, the same stamps each time
+        assert len(selector.selected) == times and not selection.misfit
+        selector.forget(times)
+
+
+def test_what_still_comes_of_the_end_of_a_recording_is_no_misfit():
+    selector, selection = selecting(0.2)
+    for number in range(4 * 300):
+        of, now = (
+            Header(stamp=rospy.Time.from_sec(1000.0 + one % 300 / RATE))
+            for one in (number - 45, number)
+        )
+        selection.add(DetectionArray(header=of, detections=[Detection(box=region(40, 80), id=-1)]))
+        selection.select(Frame(BACKGROUND, "bgr8", now), selector.objects())
+        assert number < 300 or not selection.misfit
+
+
+def test_where_there_are_no_images_detections_are_not_missing(monkeypatch):
+    clock = StillClock()
+    monkeypatch.setattr(auto_selection, "time", clock)
+    _, selection = selecting(0.2)
+    for pause in (INPUT_TIMEOUT, 1.0, 60.0):
+        clock.now += pause
+        selection.select(Frame(BACKGROUND, "bgr8", Header()), [])
+        assert selection.silence() == (1.0 if pause == 1.0 else 0.0)
+
+
+def test_of_a_detector_in_time_few_frames_are_kept():
+    """More than eight would have to be copied out of shared memory."""
+    selector, selection = selecting(0.2)
+    shown(selection, selector, 2, 60)
+    assert len(selection._frames) == 8
 
 
 def test_what_was_found_before_the_first_frame_is_no_misfit():

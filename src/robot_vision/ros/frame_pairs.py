@@ -25,7 +25,7 @@ class FramePairs:
     def __init__(self, slop: float = 0.0) -> None:
         self.slop = slop
         self._lock = threading.Lock()  # guards all attributes below
-        self._frames, self._messages = Recent(), Recent()
+        self._frames, self._messages = Recent(in_order=True), Recent()
         self._unmatched = 0  # messages in a row without a frame
 
     def message_of(self, frame: Frame) -> Optional[Any]:

@@ -13,15 +13,23 @@ class Recent(Deque[Any]):
     """The newest entries of a topic, which have headers; the oldest first.
 
     Frames are referenced, not copied.
+
+    Args:
+        in_order: Whether they come in the order of their stamps, as the frames of a camera do: when
+            the stamps go back, as in a bag that begins anew, all from before is dropped.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, in_order: bool = False) -> None:
         super().__init__(maxlen=MAX_ENTRIES)
+        self._in_order = in_order
         # The earliest and the last stamp of those that had to make room.
         self._dropped: Optional[Tuple[Any, Any]] = None
 
     def keep(self, entry: Any) -> None:
         """Adds the newest entry, for which old ones make room."""
+        if self._in_order and self and entry.header.stamp < self[-1].header.stamp:
+            self.clear()
+            self._dropped = None
         self.append(entry)
         self._drop_old()
         self._limit_size()

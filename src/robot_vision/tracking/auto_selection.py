@@ -20,6 +20,7 @@ from ..ros.recent import MAX_LAG, Recent
 from ..ros.transport import Frame
 from .selections import MAX_OBJECTS
 
+HISTORY = 8  # frames at least that are kept, in which detectors that differ may have looked
 MAX_WAITING = 10  # messages that wait for their frames
 MAX_CANDIDATES = 100  # detections of a message with the highest scores; each is compared with each
 
@@ -60,12 +61,14 @@ class AutoSelection:
         self._lost: List[int] = []  # ids of those that are lost in this frame
         self.misfit = ""
         self._unmatched = 0  # messages in a row that were of no frame
-        self._frames = Recent()
+        self._frames = Recent(in_order=True)
         # The outlines of the objects tracked in each of these frames.
         self._outlines: Deque[List[np.ndarray]] = collections.deque()
         self._lock = threading.Lock()  # guards what is received
         self._come: Deque[DetectionArray] = collections.deque(maxlen=MAX_WAITING)
         self._last_come = time.monotonic()
+        self._last_frame = self._last_come
+        self._restarted: Any = None  # the stamp of the frame with which stamps went back
 
     def configure(self, label: str, most: int, after: float, predicted: bool = False) -> None:
         """Sets what is selected.
@@ -104,6 +107,7 @@ class AutoSelection:
 
     def select(self, frame: Frame, tracks: List[TrackedObject]) -> None:
         """Selects what was detected up to this frame, in which `tracks` are the objects."""
+        self._note_pauses(frame.header.stamp)
         self._keep(frame, [track.outline for track in tracks if track.tracked])
         self._own &= {track.id for track in tracks}
         self._lost = [track.id for track in tracks if track.id in self._own and not track.tracked]
@@ -116,6 +120,25 @@ class AutoSelection:
             number = stamps.index(found.header.stamp)
             self._update_candidates(found.detections, self._frames[number].time)
             self._select_uncovered(number)
+            self._drop_before(found.header.stamp)
+
+    def _note_pauses(self, stamp: Any) -> None:
+        """Notes that frames come again after a pause, in which nobody could detect, or anew."""
+        now, before = time.monotonic(), self._last_frame
+        self._last_frame = now
+        if now - before >= INPUT_TIMEOUT:
+            with self._lock:
+                self._last_come = now
+        if self._frames and stamp < self._frames[-1].header.stamp:
+            self._candidates = []
+            self.misfit, self._unmatched = "", 0
+            self._restarted = stamp
+
+    def _drop_before(self, stamp: Any) -> None:
+        """Drops frames of which no detections come any more, as those of this stamp have come."""
+        while len(self._frames) > HISTORY and self._frames[0].header.stamp < stamp:
+            self._frames.popleft()
+            self._outlines.popleft()
 
     def _keep(self, frame: Frame, outlines: List[np.ndarray]) -> None:
         """Adds the newest frame; of several with the same stamp, as with none, it is the last."""
@@ -134,9 +157,15 @@ class AutoSelection:
             self._come.clear()
             self._come.extend(found for found in come if found.header.stamp > stamp)
             waits = len(self._come) == MAX_WAITING
+            if waits and self._has_just_restarted(stamp):  # They are of the end of the last time.
+                self._come.clear()
+                waits = False
         if waits:  # Nobody detects so much before the frames come: they are of another clock.
             self._note_unmatched(come[0].header.stamp)
         return [found for found in come if found.header.stamp <= stamp]
+
+    def _has_just_restarted(self, stamp: Any) -> bool:
+        return self._restarted is not None and (stamp - self._restarted).to_sec() < MAX_LAG
 
     def _note_unmatched(self, stamp: Any) -> None:
         """Counts a message of no frame, unless it is of one that came before the first here."""
