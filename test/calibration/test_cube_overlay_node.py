@@ -100,6 +100,7 @@ def test_a_camera_that_is_not_calibrated_has_no_poses_but_one_warning(start, dia
         lambda: int(diagnostics.value("cube", "frames refused")) >= 6, "six frames to be refused"
     )
     assert diagnostics.value("cube", "last error").endswith(warning)
+    assert int(diagnostics.value("cube", "frames published")) == 0
     studio.camera.info = info_of(SCENE.camera)  # comes late
     stamp, _ = show_until_known(studio.show, image)
     assert studio.poses.of(stamp)

@@ -105,6 +105,7 @@ def test_without_a_calibration_four_points_are_enough(start, diagnostics):
     robot.show(image)
     support.wait_for(lambda: int(diagnostics.value("lane", "frames refused")) > 0, "the count")
     assert said in diagnostics.value("lane", "last error")
+    assert int(diagnostics.value("lane", "frames published")) == 0
     points = corners_in_image(0.3, 1.2)
     values = dict(ground="points", near=0.3, near_row=points[0, 1], far_row=points[2, 1])
     values.update(zip(("near_left", "near_right", "far_left", "far_right"), points[:, 0]))

@@ -17,7 +17,7 @@ from ..ros.params import read_name
 from ..ros.poses import pose_of, transform_of
 from ..ros.startup import run_node
 from ..ros.transform_output import TransformOutput
-from ..ros.transport import Frame, FrameError, note_connections
+from ..ros.transport import KEPT, Frame, FrameError, note_connections
 from .board_pose import BoardPose, Orientation, quarter_turns, solve_pose
 from .board_search import BoardParams, BoardSearch, make_board
 from .cube_drawing import draw_axes, draw_cube
@@ -63,7 +63,7 @@ class CubeOverlay:
         self._publish_tf = config["publish_tf"]
         note_connections()  # because /tf may start or stop to count
 
-    def _process(self, frame: Frame) -> None:
+    def _process(self, frame: Frame) -> Any:
         camera = self._calibration.camera(frame.image.shape[1::-1])
         found = self._locate(frame, camera) if camera else None
         if found:
@@ -83,8 +83,10 @@ class CubeOverlay:
                 draw_text(overlay, f"x {x:+.3f} y {y:+.3f} z {z:.3f} m", (10, 20))
                 draw_text(overlay, f"error {found.error:.2f} px", (10, 40))
             self._processed.publish(overlay, "bgr8", frame.header)
-        if camera is None:
-            self._calibration.refuse()
+        if camera is not None:
+            return None
+        self._calibration.refuse()
+        return KEPT
 
     def _locate(self, frame: Frame, camera: CameraModel) -> Optional[BoardPose]:
         board, search, orientation = self._tools

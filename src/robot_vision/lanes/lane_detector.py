@@ -12,7 +12,7 @@ from ..ros.image_node import ImageNode
 from ..ros.live_params import LiveParams, filled
 from ..ros.messages import points
 from ..ros.startup import run_node
-from ..ros.transport import Frame, FrameError
+from ..ros.transport import KEPT, Frame, FrameError
 
 STRAIGHT = 0.01  # a lane whose width is this share of its radius
 
@@ -41,7 +41,7 @@ class LaneDetector:
             self._tools = Detector(*used), config["ground"]  # replaced in one step
             self._used = used
 
-    def _process(self, frame: Frame) -> None:
+    def _process(self, frame: Frame) -> Any:
         detector, ground = self._tools
         camera = None
         if ground == "camera":
@@ -49,7 +49,7 @@ class LaneDetector:
             if camera is None:
                 self._publish_overlay(frame, Lane(), (NOT_CALIBRATED,))
                 self._calibration.refuse()
-                return
+                return KEPT
         try:
             lane = detector.update(frame.time, frame.image, "bgr8", camera)
         except ValueError as error:
@@ -62,6 +62,7 @@ class LaneDetector:
             draw_lane(view, lane.left.from_above, lane.right.from_above)
             self._birds_eye.publish(view, "bgr8", frame.header)
         self._publish_overlay(frame, lane, summary(lane))
+        return None
 
     def _publish_overlay(self, frame: Frame, lane: Lane, text: Sequence[str]) -> None:
         if not self._processed.get_num_connections():
