@@ -52,7 +52,9 @@ void bindTracker(py::module& m)
       .def_readonly("predicted", &BallState::predicted, "not measured at this time")
       .def_property_readonly("covariance", attribute(&BallState::covariance), "4x4, of x, y and their rates");
 
-  py::class_<BallTracker>(m, "BallTracker", "Kalman filter of a ball's centre, velocity and radius in the image.")
+  py::class_<BallTracker>(
+      m, "BallTracker",
+      "Kalman filter of a ball's centre, velocity and radius in the image. Not for two threads at once.")
       .def(py::init<const BallTrackerParams&>(), "params"_a = BallTrackerParams(),
            "Raises ValueError for a parameter out of range.")
       .def("update", &BallTracker::update, "time_s"_a, "measured"_a,

@@ -99,7 +99,7 @@ void bindHeads(py::module& m)
         "Of two oriented boxes, (4, 2) arrays of corners, clockwise: the intersection over union, and over the area of "
         "the first one.");
 
-  py::class_<HeadDecoder>(m, "HeadDecoder", "Makes objects of what a network gives.")
+  py::class_<HeadDecoder>(m, "HeadDecoder", "Makes objects of what a network gives. Threads may share one.")
       .def(py::init<const HeadParams&>(), "params"_a = HeadParams(), "Raises ValueError for a parameter out of range.")
       .def("decode", decode, "outputs"_a, "placement"_a, "image_size"_a,
            "The objects in an image, the surest first. `outputs` are float32 arrays, in the network's order, "

@@ -59,7 +59,8 @@ py::array_t<double> rays(const CameraModel& camera, const Matrix& pixels)
 
 void bindGeometry(py::module& m)
 {
-  py::class_<CameraModel>(m, "CameraModel", "Pinhole camera with one of sensor_msgs/CameraInfo's distortions.")
+  py::class_<CameraModel>(m, "CameraModel",
+                          "Pinhole camera with one of sensor_msgs/CameraInfo's distortions. Threads may share one.")
       .def(py::init(&makeCamera), "width"_a, "height"_a, "K"_a, "D"_a = std::vector<double>(),
            "distortion_model"_a = "plumb_bob",
            "Size (px), K (3x3, px), D and its model (plumb_bob, rational_polynomial, equidistant or fisheye), as in "

@@ -101,8 +101,9 @@ void bindPointPairs(py::module& m)
 {
   bindParams<PointPairParams>(m, "PointPairParams", "How train_point_pairs() samples a surface.");
   bindParams<PointPairMatchParams>(m, "PointPairMatchParams", "How a PointPairMatcher looks for objects.");
-  py::class_<PointPairModel>(m, "PointPairModel",
-                             "Points all over the surface of an object, whose pairs a PointPairMatcher knows it by.")
+  py::class_<PointPairModel>(
+      m, "PointPairModel",
+      "Points all over the surface of an object, whose pairs a PointPairMatcher knows it by. Threads may share one.")
       .def_readonly("params", &PointPairModel::params)
       .def_readonly("extent", &PointPairModel::extent)
       .def_property_readonly(

@@ -64,7 +64,7 @@ void bindFrames(py::module& m)
 {
   py::class_<ArrayFrame>(m, "RecognitionFrame",
                          "What a camera without distortion sees at one time, prepared for all who look for objects in "
-                         "it.")
+                         "it. Threads may share one, but not while one of them is in set().")
       .def(py::init<const CameraModel&>(), "camera"_a,
            "Raises ValueError for what no camera has, and for one with distortion: images must have been rectified.")
       .def(

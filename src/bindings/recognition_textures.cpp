@@ -50,7 +50,7 @@ void bindModel(py::module& m)
 {
   bindParams<TextureParams>(m, "TextureParams", "How the texture of an object is learned.");
 
-  py::class_<TextureModel>(m, "TextureModel", "An object as its keypoints.")
+  py::class_<TextureModel>(m, "TextureModel", "An object as its keypoints. Threads may share one.")
       .def_static("from_bytes", &modelFromPython, "data"_a,
                   "What to_bytes() has written. Raises ValueError for what is damaged or of something else.")
       .def("to_bytes", &toPythonBytes, "The model as bytes that are the same on all machines.")

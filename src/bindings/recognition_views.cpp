@@ -44,7 +44,8 @@ ViewModel modelOf(const py::bytes& bytes)
 void bindModels(py::module& m)
 {
   bindParams<ViewParams>(m, "ViewParams", "How a ViewTrainer learns an object.");
-  py::class_<ViewModel>(m, "ViewModel", "An object as its views, for an ObjectMatcher. Made by a ViewTrainer.")
+  py::class_<ViewModel>(m, "ViewModel",
+                        "An object as its views, for an ObjectMatcher. Made by a ViewTrainer. Threads may share one.")
       .def_readonly("params", &ViewModel::params)
       .def_property_readonly(
           "views", [](const ViewModel& model) { return model.views.size(); }, "how many views it has")
