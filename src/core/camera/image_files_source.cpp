@@ -110,9 +110,9 @@ std::vector<std::string> listImageFiles(const std::string& path)
 }
 
 ImageFilesSource::ImageFilesSource(const std::string& path, double depth_scale)
-  : path_(path), depth_scale_(depth_scale), files_(listImageFiles(path))
+  : path_(path), depth_scale_(depth_scale), files_(path, listImageFiles(path))
 {
-  if (files_.front() == path) only_ = readOne(files_.front());
+  if (files_.all().front() == path) only_ = readOne(path);
 }
 
 ReadResult ImageFilesSource::read(Frame& frame)
@@ -121,29 +121,15 @@ ReadResult ImageFilesSource::read(Frame& frame)
   if (!only_.empty())
   {
     frame.image = only_;
-    frame.sequence = sequence_++;
+    frame.sequence = times_of_only_++;
     return ReadResult::kFrame;
   }
-  if (failed_in_a_row_ == files_.size()) throw SourceError(path_ + ": none of its images can be read");
-  if (next_ == files_.size()) return ReadResult::kEnd;
-  const std::string& file = files_[next_++];
-  try
-  {
-    frame.image = readOne(file);
-  }
-  catch (const SourceError& e)
-  {
-    ++failed_in_a_row_;
-    throw std::invalid_argument(e.what());  // only this file is damaged, the next may be good
-  }
-  failed_in_a_row_ = 0;
-  frame.sequence = sequence_++;
-  return ReadResult::kFrame;
+  return files_.read(frame, [this, &frame](const std::string& file) { frame.image = readOne(file); });
 }
 
 std::string ImageFilesSource::description() const
 {
-  return (only_.empty() ? std::to_string(files_.size()) + " images" : std::string("image")) + " from " + path_;
+  return (only_.empty() ? std::to_string(files_.all().size()) + " images" : std::string("image")) + " from " + path_;
 }
 
 }  // namespace robot_vision

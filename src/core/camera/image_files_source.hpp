@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "file_sequence.hpp"
 #include "robot_vision/camera/frame_source.hpp"
 
 namespace robot_vision
@@ -35,7 +36,7 @@ public:
   /// The images are depths of 16 bits, in which the number `depth_scale` stands for 1 m, unless that is 0.
   explicit ImageFilesSource(const std::string& path, double depth_scale = 0.0);
   ReadResult read(Frame& frame) override;
-  void rewind() override { next_ = 0; }
+  void rewind() override { files_.rewind(); }
   double rate() const override { return kDefaultRate; }
   bool fillsMemory() const override { return false; }
   std::string description() const override;
@@ -49,11 +50,9 @@ private:
 
   std::string path_;
   double depth_scale_;
-  std::vector<std::string> files_;
-  std::size_t next_ = 0;
-  std::size_t failed_in_a_row_ = 0;
-  std::int64_t sequence_ = 0;
-  cv::Mat only_;  // the decoded image if the source is a single file
+  FileSequence<std::string> files_;
+  cv::Mat only_;                    // the decoded image if the source is a single file
+  std::int64_t times_of_only_ = 0;  // that it was given
 };
 
 }  // namespace robot_vision

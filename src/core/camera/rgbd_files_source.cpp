@@ -123,34 +123,25 @@ std::vector<RgbdFiles> listRgbdFiles(const std::string& path)
 }
 
 RgbdFilesSource::RgbdFilesSource(const std::string& path, double depth_scale)
-  : path_(path), depth_scale_(depth_scale), files_(listRgbdFiles(path)), rate_(rateOf(files_))
+  : path_(path), depth_scale_(depth_scale), files_(path, listRgbdFiles(path)), rate_(rateOf(files_.all()))
 {
 }
 
 ReadResult RgbdFilesSource::read(Frame& frame)
 {
-  if (failed_in_a_row_ == files_.size()) throw SourceError(path_ + ": none of its images can be read");
-  if (next_ == files_.size()) return ReadResult::kEnd;
-  const RgbdFiles& files = files_[next_++];
-  try
-  {
-    frame.image = frame.wanted.first ? readImage(files.color) : cv::Mat();
-    frame.second = {frame.wanted.second ? readDepths(files.depth, depth_scale_) : cv::Mat(), "16UC1"};
-  }
-  catch (const SourceError& e)
-  {
-    ++failed_in_a_row_;
-    throw std::invalid_argument(e.what());  // only this file is damaged, the next may be good
-  }
-  failed_in_a_row_ = 0;
   frame.encoding = "bgr8";
-  frame.sequence = sequence_++;
-  return ReadResult::kFrame;
+  return files_.read(
+      frame,
+      [this, &frame](const RgbdFiles& files)
+      {
+        frame.image = frame.wanted.first ? readImage(files.color) : cv::Mat();
+        frame.second = {frame.wanted.second ? readDepths(files.depth, depth_scale_) : cv::Mat(), "16UC1"};
+      });
 }
 
 std::string RgbdFilesSource::description() const
 {
-  return countText(files_.size(), "color and depth") + " at " + toText(rate_) + " Hz from " + path_;
+  return countText(files_.all().size(), "color and depth") + " at " + toText(rate_) + " Hz from " + path_;
 }
 
 }  // namespace robot_vision

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <vector>
 
+#include "file_sequence.hpp"
 #include "robot_vision/camera/frame_source.hpp"
 
 namespace robot_vision
@@ -32,7 +32,7 @@ public:
   /// In the files of depths the number `depth_scale` stands for 1 m. Throws as listRgbdFiles() does.
   RgbdFilesSource(const std::string& path, double depth_scale);
   ReadResult read(Frame& frame) override;
-  void rewind() override { next_ = 0; }
+  void rewind() override { files_.rewind(); }
   double rate() const override { return rate_; }
   bool fillsMemory() const override { return false; }
   std::string description() const override;
@@ -40,11 +40,8 @@ public:
 private:
   std::string path_;
   double depth_scale_;
-  std::vector<RgbdFiles> files_;
+  FileSequence<RgbdFiles> files_;
   double rate_;
-  std::size_t next_ = 0;
-  std::size_t failed_in_a_row_ = 0;
-  std::int64_t sequence_ = 0;
 };
 
 }  // namespace robot_vision
