@@ -430,7 +430,8 @@ def test_controls_change_live(seen):
 def test_controls_are_saved(vm, seen):
     assert seen("controls")["saved"] == "/out/camera.yaml"
     saved = yaml.safe_load((vm / "camera.yaml").read_text())["controls"]
-    assert saved["gain_automatic"] is False and saved["horizontal_flip"] is True
+    assert saved["gain_auto"] is False and saved["horizontal_flip"] is True
+    assert "gain_automatic" not in saved  # the driver's name of what the file has already
     assert (saved["gain"], saved["saturation"], saved["menu"]) == (50, 33, 4)
     assert (saved["integer_64_bits"], saved["string"]) == (2.0**34, "abcd")
     assert "hue" not in saved and "mute" not in saved
