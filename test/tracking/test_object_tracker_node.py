@@ -583,6 +583,17 @@ def test_of_a_detector_in_time_few_frames_are_kept():
     assert len(selection._frames) == 8
 
 
+def test_messages_that_come_at_a_time_are_each_of_their_frame():
+    selector, selection = selecting(0.5)
+    shown(selection, selector, 100, 31)  # without any detections
+    for number in (0, 10, 29, 15):
+        of = Header(stamp=rospy.Time.from_sec(1000.0 + number / RATE))
+        selection.add(DetectionArray(header=of, detections=[Detection(box=region(40, 80), id=-1)]))
+    frame = Frame(BACKGROUND.copy(), "bgr8", Header(stamp=rospy.Time.from_sec(1000.0 + 31 / RATE)))
+    selection.select(frame, [])
+    assert len(selector.selected) == 1 and not selection.misfit
+
+
 def test_what_was_found_before_the_first_frame_is_no_misfit():
     selector, selection = selecting(0.0)
     shown(selection, selector, 0, 40, -1.5)

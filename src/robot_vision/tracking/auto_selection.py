@@ -111,8 +111,8 @@ class AutoSelection:
         self._keep(frame, [track.outline for track in tracks if track.tracked])
         self._own &= {track.id for track in tracks}
         self._lost = [track.id for track in tracks if track.id in self._own and not track.tracked]
-        stamps = [past.header.stamp for past in self._frames]
         for found in self._take_up_to(frame.header.stamp):
+            stamps = [past.header.stamp for past in self._frames]
             if found.header.stamp not in stamps:
                 self._note_unmatched(found.header.stamp)
                 continue
