@@ -82,11 +82,8 @@ class Detections3d:
             rospy.logwarn("no places of detections: %s", self._apart_text())
 
     def _apart_text(self) -> str:
-        late = self._pairs.lateness()
-        if late:
-            found = current().resolve("detections")
-            return f"what comes on {found} is too late for {self._node.topic}: {late}"
-        return (
+        late = self._pairs.late_text(current().resolve("detections"), self._node.topic)
+        return late or (
             f"the stamps on {self._topics()} do not meet: the nearest are "
             f"{self._pairs.distance():.3g} s apart, must be at most slop, {self._pairs.slop:g} s"
         )

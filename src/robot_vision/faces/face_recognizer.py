@@ -86,13 +86,11 @@ class FaceRecognizer:
             self._node.go_on(frame, lambda: self._process(frame, faces))
         elif self._pairs.apart():
             image, topic = current().resolve("image"), current().resolve("faces")
-            late = self._pairs.lateness()
-            text = (
-                f"what comes on {topic} is too late for {image}: {late}"
-                if late
-                else f"no images on {image} have the stamps of {topic}: is it another camera's?"
+            late = self._pairs.late_text(topic, image)
+            rospy.logwarn_throttle(
+                10.0,
+                late or f"no images on {image} have the stamps of {topic}: is it another camera's?",
             )
-            rospy.logwarn_throttle(10.0, text)
 
     def _process(self, frame: Frame, faces: DetectionArray) -> None:
         """Recognises the faces in a frame; raises FrameError if they do not fit it."""

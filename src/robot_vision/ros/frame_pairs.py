@@ -68,6 +68,11 @@ class FramePairs:
                 return ""
             return self._frames.lateness(self._messages[-1].header.stamp)
 
+    def late_text(self, messages: str, frames: str) -> str:
+        """Returns that as a sentence that names the topics of both; empty if they are in time."""
+        late = self.lateness()
+        return f"what comes on {messages} is too late for {frames}: {late}" if late else ""
+
     def clear(self) -> None:
         """Releases all frames and messages that wait."""
         with self._lock:

@@ -2,8 +2,6 @@
 
 from typing import Any, Deque, Optional, Tuple
 
-from .transport import Frame
-
 MAX_LAG = 2.0  # s, largest delay of the messages or of the frames
 MAX_BYTES = 128 << 20  # bytes, largest size of the frames that wait
 MAX_ENTRIES = 1000  # those without stamps never become too old
@@ -12,7 +10,7 @@ MAX_ENTRIES = 1000  # those without stamps never become too old
 class Recent(Deque[Any]):
     """The newest entries of a topic, which have headers; the oldest first.
 
-    Frames are referenced, not copied.
+    The images of entries that have one are referenced, not copied.
 
     Args:
         in_order: Whether they come in the order of their stamps, as the frames of a camera do: when
@@ -70,4 +68,4 @@ class Recent(Deque[Any]):
 
 
 def _bytes_of(entry: Any) -> int:
-    return entry.image.nbytes if isinstance(entry, Frame) else 0
+    return entry.image.nbytes if hasattr(entry, "image") else 0

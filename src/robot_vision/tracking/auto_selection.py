@@ -25,6 +25,23 @@ MAX_WAITING = 10  # messages that wait for their frames
 MAX_CANDIDATES = 100  # detections of a message with the highest scores; each is compared with each
 
 
+class Past(NamedTuple):
+    """A frame of which detections may still come."""
+
+    frame: Frame
+    outlines: List[np.ndarray]  # of the objects that were tracked in it
+
+    @property
+    def header(self) -> Any:
+        """That of the frame."""
+        return self.frame.header
+
+    @property
+    def image(self) -> np.ndarray:
+        """That of the frame."""
+        return self.frame.image
+
+
 class Candidate(NamedTuple):
     """A detection of the last message, and the time in s since which it was in all messages.
 
@@ -61,9 +78,7 @@ class AutoSelection:
         self._lost: List[int] = []  # ids of those that are lost in this frame
         self.misfit = ""
         self._unmatched = 0  # messages in a row that were of no frame
-        self._frames = Recent(in_order=True)
-        # The outlines of the objects tracked in each of these frames.
-        self._outlines: Deque[List[np.ndarray]] = collections.deque()
+        self._frames = Recent(in_order=True)  # of Past
         self._lock = threading.Lock()  # guards what is received
         self._come: Deque[DetectionArray] = collections.deque(maxlen=MAX_WAITING)
         self._last_come = time.monotonic()
@@ -98,7 +113,6 @@ class AutoSelection:
     def clear(self) -> None:
         """Forgets frames and detections, but not which objects were selected here."""
         self._frames.clear()
-        self._outlines.clear()
         self._candidates = []
         self.misfit, self._unmatched = "", 0
         with self._lock:
@@ -118,7 +132,7 @@ class AutoSelection:
                 continue
             self.misfit, self._unmatched = "", 0
             number = stamps.index(found.header.stamp)
-            self._update_candidates(found.detections, self._frames[number].time)
+            self._update_candidates(found.detections, self._frames[number].frame.time)
             self._select_uncovered(number)
             self._drop_before(found.header.stamp)
 
@@ -138,17 +152,12 @@ class AutoSelection:
         """Drops frames of which no detections come any more, as those of this stamp have come."""
         while len(self._frames) > HISTORY and self._frames[0].header.stamp < stamp:
             self._frames.popleft()
-            self._outlines.popleft()
 
     def _keep(self, frame: Frame, outlines: List[np.ndarray]) -> None:
         """Adds the newest frame; of several with the same stamp, as with none, it is the last."""
         if self._frames and self._frames[-1].header.stamp == frame.header.stamp:
             self._frames.pop()
-            self._outlines.pop()
-        self._frames.keep(frame)
-        self._outlines.append(outlines)
-        while len(self._outlines) > len(self._frames):
-            self._outlines.popleft()
+        self._frames.keep(Past(frame, outlines))
 
     def _take_up_to(self, stamp: Any) -> List[DetectionArray]:
         """Returns the messages whose frames cannot be still to come; the others wait."""
@@ -204,7 +213,7 @@ class AutoSelection:
         return wanted[:MAX_CANDIDATES]
 
     def _select_uncovered(self, number: int) -> None:
-        frame, outlines = self._frames[number], self._outlines[number]
+        frame, outlines = self._frames[number]
         for found, since in self._candidates:
             if frame.time - since < self._after or not self._is_found(found):
                 continue
@@ -225,8 +234,8 @@ class AutoSelection:
                 self._tracker.forget(self._lost.pop(0))
             self._own.add(selected)
             # Further detections of it may come for frames in which it was not tracked yet.
-            for later in list(self._outlines)[number:]:
-                later.append(corners_of(region))
+            for later in list(self._frames)[number:]:
+                later.outlines.append(corners_of(region))
 
 
 def corners_of(box: Tuple[int, int, int, int]) -> np.ndarray:
