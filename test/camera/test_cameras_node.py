@@ -4,11 +4,13 @@ import os
 import pathlib
 import re
 import signal
+import socket
 import sys
 
 import cv2
 import numpy as np
 import pytest
+import rosgraph
 import rospy
 import support
 import yaml
@@ -156,6 +158,20 @@ def test_a_camera_that_kills_the_manager_is_left_out(start):
     manager = start(sys.executable, script)
     manager.wait_for_output("loaded /rear robot_vision/camera")
     assert manager.running() and "loaded /front robot_vision/camera" in manager.output()
+
+
+def test_the_port_of_a_killed_manager_may_belong_to_what_never_answers(start):
+    with socket.socket() as silent:
+        silent.bind(("127.0.0.1", 0))
+        silent.listen()
+        port, master = silent.getsockname()[1], rosgraph.Master(MANAGER)
+        uri = f"http://127.0.0.1:{port}/"
+        master.registerService(MANAGER + "/load_nodelet", "rosrpc://127.0.0.1:1", uri)
+        rospy.set_param("/camera_loader/cameras", [{"name": "front", **SMALL}])
+        loader = start("camera_loader.py", env=PROMPT)
+        loader.wait_for_output(f"waiting for the manager {MANAGER}")
+        start("/usr/lib/nodelet/nodelet", "manager", "__name:=camera_manager")
+        loader.wait_for_output("/front: loaded")
 
 
 def test_a_camera_that_was_loaded_is_tried_as_often_again(start):

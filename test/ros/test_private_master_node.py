@@ -1,6 +1,7 @@
 """The master of a test leaves the processes of other tests alone."""
 
 import os
+import socket
 import threading
 import xmlrpc.server
 
@@ -10,7 +11,7 @@ import rosgraph
 import support
 
 NOWHERE = "http://127.0.0.1:1/"
-QUESTION, UPDATE, SHUTDOWN = "getPid", "publisherUpdate", "shutdown"
+UPDATE, SHUTDOWN = "publisherUpdate", "shutdown"
 
 
 class OwnNode:
@@ -19,7 +20,7 @@ class OwnNode:
     def __init__(self, server):
         self.uri = f"http://127.0.0.1:{server.server_address[1]}/"
         self.calls = []
-        for name in (QUESTION, UPDATE, SHUTDOWN):
+        for name in (UPDATE, SHUTDOWN):
             server.register_function(self._noting(name), name)
 
     def _noting(self, name):
@@ -29,16 +30,17 @@ class OwnNode:
 
         return called
 
-    def comes_and_goes(self, master):
-        """Has it subscribe, be found dead as one of its name comes, and subscribe once more."""
-        for name, topic in (("/node", "/first"), ("/again", "/second")):
-            self._api(master, name).registerSubscriber(topic, "std_msgs/String", self.uri)
-            self._api(master, "/else").registerPublisher(topic, "std_msgs/String", NOWHERE)
-            self._api(master, name).registerPublisher("/third", "std_msgs/String", NOWHERE)
 
-    @staticmethod
-    def _api(master, name):
+def comes_and_goes(uri, master):
+    """Has a node subscribe, be found dead as one of its name comes, and subscribe once more."""
+
+    def api(name):
         return rosgraph.Master(name, master.env["ROS_MASTER_URI"])
+
+    for name, topic in (("/node", "/first"), ("/again", "/second")):
+        api(name).registerSubscriber(topic, "std_msgs/String", uri)
+        api("/else").registerPublisher(topic, "std_msgs/String", NOWHERE)
+        api(name).registerPublisher("/third", "std_msgs/String", NOWHERE)
 
 
 @pytest.fixture
@@ -50,16 +52,37 @@ def node():
 
 
 def test_processes_of_the_test_are_told(start, node):
-    node.comes_and_goes(support.Master(start))
-    told = [QUESTION, UPDATE, QUESTION, SHUTDOWN] * 2
+    comes_and_goes(node.uri, support.Master(start))
+    told = [UPDATE, SHUTDOWN] * 2
     support.wait_for(lambda: len(node.calls) == len(told), "calls of the master")
     assert node.calls == told
 
 
-def test_processes_of_other_tests_are_asked_only_who_they_are(start, node):
-    node.comes_and_goes(support.Master(start, env={private_master.MARK: "1"}))
-    support.wait_for(lambda: len(node.calls) == 4, "questions of the master")
-    assert node.calls == [QUESTION] * 4
+def test_processes_of_other_tests_are_not_connected_to(start, tmp_path):
+    log = tmp_path / "master.log"
+    with socket.socket() as another:
+        another.bind(("127.0.0.1", 0))
+        another.listen()
+        another.setblocking(False)
+        env = {private_master.MARK: "1", "ROS_LOG_DIR": str(tmp_path)}
+        address = f"127.0.0.1:{another.getsockname()[1]}"
+        comes_and_goes(f"http://{address}/", support.Master(start, env=env))
+        refused = f"exception=no process of this test listens at {address}"
+        support.wait_for(lambda: log.exists() and log.read_text().count(refused) == 2, refused)
+        with pytest.raises(BlockingIOError):
+            another.accept()
+
+
+def test_a_port_is_that_of_the_process_which_listens():
+    me = str(os.getpid())
+    with socket.socket() as bound:
+        bound.bind(("127.0.0.1", 0))
+        port = bound.getsockname()[1]
+        assert not private_master.is_port_of_test(port, me)
+        bound.listen()
+        assert private_master.is_port_of_test(port, me)
+        assert not private_master.is_port_of_test(port, "1")
+    assert not private_master.is_port_of_test(port, me)
 
 
 def test_what_a_test_starts_is_of_the_test(start):

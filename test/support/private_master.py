@@ -3,14 +3,18 @@
 
 A master keeps in mind where a node is that was killed, and tells it of publishers, and to shut down
 when another one of its name comes. Where tests run beside each other, the port may have been given
-to a node of another test by then, which would lose its publishers, or end.
+to a node of another test by then, which would lose its publishers, or end; or, if it is its port of
+topics, take no connections until this master ends, as rospy reads one's first message before it
+takes the next.
 """
 
+import contextlib
+import functools
 import http.client
 import os
 import pathlib
 import xmlrpc.client
-from typing import Any, Optional
+from typing import Any, Iterator, Optional
 
 MARK = "ROBOT_VISION_TEST"  # names a test in the environment of its processes: its own process id
 
@@ -31,19 +35,42 @@ def is_of_test(pid: int, test: str) -> bool:
     return f"{MARK}={test}".encode() in environment.split(b"\0")
 
 
+def is_port_of_test(port: int, test: str) -> bool:
+    """Returns whether a process of a test listens at a TCP port of IPv4 on this machine."""
+    return any(_has_socket(inode, test) for inode in _listening(port))
+
+
+def _listening(port: int) -> Iterator[str]:
+    """The inodes of the sockets that listen at a port."""
+    for line in pathlib.Path("/proc/net/tcp").read_text().splitlines()[1:]:
+        _, local, _, state, *others = line.split()
+        if state == "0A" and int(local.rpartition(":")[2], 16) == port:
+            yield others[5]
+
+
+@functools.lru_cache(maxsize=None)
+def _has_socket(inode: str, test: str) -> bool:
+    for process in pathlib.Path("/proc").glob("[0-9]*"):
+        if is_of_test(int(process.name), test):
+            with contextlib.suppress(OSError):  # It has ended.
+                for descriptor in (process / "fd").iterdir():
+                    with contextlib.suppress(OSError):  # It was closed.
+                        if os.readlink(descriptor) == f"socket:[{inode}]":
+                            return True
+    return False
+
+
 class OwnProcesses(xmlrpc.client.Transport):
-    """Asks who it is with each new connection, and refuses to talk to another test's process."""
+    """Refuses to connect to another test's process."""
 
     def single_request(
         self, host: Any, handler: str, request_body: Any, verbose: bool = False
     ) -> Any:
         connection: Optional[http.client.HTTPConnection] = self._connection[1]
         if connection is None or connection.sock is None:
-            question = xmlrpc.client.dumps(("/master",), "getPid").encode()
-            ((_, _, pid),) = super().single_request(host, handler, question, verbose)
-            if not is_of_test(pid, os.environ[MARK]):
-                self.close()
-                raise ConnectionRefusedError(f"{host} is process {pid}, of another test")
+            port = int(str(host).rpartition(":")[2])
+            if not is_port_of_test(port, os.environ[MARK]):
+                raise ConnectionRefusedError(f"no process of this test listens at {host}")
         return super().single_request(host, handler, request_body, verbose)
 
 

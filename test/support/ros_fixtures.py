@@ -40,7 +40,14 @@ def master(tmp_path_factory):
 
     import rospy
 
-    rospy.init_node("test", disable_signals=True, disable_rosout=True)
+    rospy.init_node(
+        "test",
+        disable_signals=True,
+        disable_rosout=True,
+        # Who still calls a killed node of another test must not get here: see free_port().
+        xmlrpc_port=support.free_port(),
+        tcpros_port=support.free_port(),
+    )
     yield made
     rospy.signal_shutdown("tests done")
     made.end()

@@ -13,6 +13,7 @@ import subprocess
 import sys
 import threading
 import time
+import urllib.parse
 import xmlrpc.client
 from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Set
 
@@ -31,6 +32,7 @@ PARAMETER_TYPES = {"bool": bool, "int": int, "double": float, "str": str}
 
 
 arrived = threading.Event()  # set by each message, cleared by wait_for()
+given_ports: Set[int] = set()  # by free_port()
 
 
 def wait_for(condition: Callable[[], Any], what: str, seconds: float = DEADLINE) -> Any:
@@ -99,12 +101,14 @@ def standing_still(process: "Process") -> Iterator[None]:
 
 
 def free_port() -> int:
-    """A free TCP port that no program gets that asks for any port."""
+    """A free TCP port, another one each time, that no program gets that asks for any port."""
     while True:
         port = random.SystemRandom().randrange(11400, 32768)  # Linux gives any ports from 32768 on
         with contextlib.suppress(OSError), socket.socket() as probe:
             probe.bind(("127.0.0.1", port))
-            return port
+            if port not in given_ports:
+                given_ports.add(port)
+                return port
 
 
 def spawn(command: List[str], log: pathlib.Path, env: Dict[str, str]) -> subprocess.Popen:
@@ -332,13 +336,9 @@ def node_api(name: str) -> xmlrpc.client.ServerProxy:
 
 def is_running(node: str) -> bool:
     """False if a node is no more; raises rosgraph.MasterException if the master knows none."""
-    from robot_vision.ros.registration import UNREACHABLE_ERRORS  # which not all tests need
-
-    api = node_api(node)
-    try:
-        return bool(api.getPid(rospy.get_name()))
-    except UNREACHABLE_ERRORS:
-        return False  # nobody is there, or a program that has got its port
+    uri = rosgraph.Master(rospy.get_name()).lookupNode(node)
+    port = urllib.parse.urlparse(uri).port or 0
+    return private_master.is_port_of_test(port, os.environ[private_master.MARK])
 
 
 def publishers_of(topic: str) -> List[str]:

@@ -4,7 +4,6 @@ import contextlib
 import threading
 import time
 import uuid
-import xmlrpc.client
 from typing import Any, Dict, List, Tuple
 
 import bondpy.bondpy
@@ -12,7 +11,7 @@ import rosgraph
 import rospy
 from nodelet.srv import NodeletList, NodeletLoad, NodeletUnload
 
-from ..ros.graph_master import has_service
+from ..ros.graph_master import MasterCalls, NodeCalls, has_service
 from ..ros.params import read_any, read_name
 from ..ros.registration import UNREACHABLE_ERRORS
 from ..ros.startup import run_node
@@ -123,9 +122,10 @@ class CameraLoader:
         uri = ""
         with contextlib.suppress(*UNREACHABLE_ERRORS):
             if has_service(self._manager + "/load_nodelet"):
-                uri = rosgraph.Master(rospy.get_name()).lookupNode(self._manager)
-        if uri and not _answers(uri):
-            uri = ""
+                with contextlib.closing(MasterCalls()) as master:
+                    registered = master.call("lookupNode", self._manager)
+                _require_node(registered)
+                uri = registered
         if not uri and not self._waiting and not rospy.core.is_shutdown_requested():
             rospy.loginfo("waiting for the manager %s", self._manager)
         self._waiting = not uri
@@ -204,7 +204,7 @@ class CameraLoader:
         """Logs that a camera was not loaded; returns whether the manager is still alive."""
         if rospy.core.is_shutdown_requested():
             return False
-        if _answers(manager):
+        if _is_there(manager):
             wait = min(2.0 * self._refused.get(name, (0.0, FIRST_RETRY / 2.0))[1], LAST_RETRY)
             self._refused[name] = time.monotonic() + wait, wait
             message = "%s: not loaded, the manager says why; trying again in %.0f s"
@@ -244,12 +244,25 @@ class CameraLoader:
             service(name)
 
 
-def _answers(uri: str) -> bool:
-    """Returns whether a living node answers at the URI."""
+def _require_node(uri: str) -> None:
+    """Raises one of UNREACHABLE_ERRORS if no node answers at the URI, TimeoutError if it is busy.
+
+    The port of a node that was killed may have been given to a program that reads on, and never
+    answers: a node's own server of topics does.
+    """
+    with contextlib.closing(NodeCalls(uri)) as node:
+        node.call("getPid")
+
+
+def _is_there(uri: str) -> bool:
+    """Returns whether a node is at the URI, even if it is too busy to answer."""
     try:
-        return xmlrpc.client.ServerProxy(uri).getPid("/camera_loader")[0] == 1
+        _require_node(uri)
+    except TimeoutError:
+        return True
     except UNREACHABLE_ERRORS:
         return False
+    return True
 
 
 def _replace_params(camera: str, parameters: Dict[str, Any]) -> None:

@@ -1,4 +1,4 @@
-"""Calls of the master's API that end in time: rospy's own wait without end for an answer."""
+"""Calls of the master's and the nodes' APIs that end in time: rospy's own wait without end."""
 
 import contextlib
 import http.client
@@ -33,24 +33,28 @@ def graph_name(name: str) -> str:
     return name
 
 
-class MasterCalls:
-    """Calls of the master over one connection, for one thread at a time.
+class NodeCalls:
+    """Calls of a node, or of the master, over one connection, for one thread at a time.
 
     Args:
-        timeout: How long the master may be silent, in s; 0 for TIMEOUT.
+        uri: Where its XML-RPC interface is.
+        who: What errors call it.
+        timeout: How long it may be silent, in s; 0 for TIMEOUT.
     """
 
-    def __init__(self, timeout: float = 0.0):
-        self.uri = rosgraph.get_master_uri()
+    def __init__(self, uri: str, who: str = "the node", timeout: float = 0.0):
+        self.uri = uri
+        self._who = who
         self._timeout = timeout or TIMEOUT
         self._lock = threading.Lock()  # guards the connection
         self._connection: Any = None
 
     def raw(self, method: str, *arguments: Any) -> bytes:
-        """Returns the master's answer as it came, in XML.
+        """Returns the answer as it came, in XML.
 
         Raises:
-            OSError: The master does not answer.
+            TimeoutError: Something is there, but silent: it is busy, or is no such interface.
+            OSError: It does not answer.
         """
         body = xmlrpc.client.dumps((rospy.get_name(), *arguments), method).encode()
         with self._lock:
@@ -68,12 +72,13 @@ class MasterCalls:
                 raise self._unreachable(error) from None
 
     def call(self, method: str, *arguments: Any) -> Any:
-        """Returns the value of the master's answer.
+        """Returns the value of the answer.
 
         Raises:
-            OSError: The master does not answer, or only with an error.
+            TimeoutError: Something is there, but silent: see raw().
+            OSError: It does not answer, or only with an error.
         """
-        code, text, value = parsed(self.raw(method, *arguments))
+        code, text, value = parsed(self.raw(method, *arguments), self._who)
         if code != 1:
             raise OSError(printable(text, MAX_REASON))
         return value
@@ -101,11 +106,19 @@ class MasterCalls:
             self._connection = None
 
     def _unreachable(self, error: Exception) -> OSError:
-        return OSError(f"the master at {self.uri} does not answer: {reason_of(error)}")
+        kind = TimeoutError if isinstance(error, socket.timeout) else OSError
+        return kind(f"{self._who} at {self.uri} does not answer: {reason_of(error)}")
 
 
-def parsed(answer: bytes) -> Any:
-    """Returns (code, text, value) of an answer of the master.
+class MasterCalls(NodeCalls):
+    """Calls of the master over one connection, for one thread at a time: see NodeCalls."""
+
+    def __init__(self, timeout: float = 0.0):
+        super().__init__(rosgraph.get_master_uri(), "the master", timeout)
+
+
+def parsed(answer: bytes, who: str = "the master") -> Any:
+    """Returns (code, text, value) of an answer of the master or of a node.
 
     Raises:
         OSError: It is none.
@@ -113,7 +126,7 @@ def parsed(answer: bytes) -> Any:
     try:
         ((code, text, value),), _ = xmlrpc.client.loads(answer)
     except (ExpatError, xmlrpc.client.Error, ValueError, TypeError) as error:
-        what = f"the master's answer cannot be read: {printable(str(error), MAX_REASON)}"
+        what = f"the answer of {who} cannot be read: {printable(str(error), MAX_REASON)}"
         raise OSError(what) from None
     return code, text, value
 
