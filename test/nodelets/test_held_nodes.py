@@ -6,8 +6,10 @@ import threading
 import types
 
 import pytest
+import rospy
+from nodelet.srv import NodeletUnloadRequest
 
-from robot_vision.nodelets import held_nodes, loaded_node
+from robot_vision.nodelets import held_nodes, loaded_node, python_manager
 from robot_vision.nodelets.held_nodes import HeldNodes
 from robot_vision.nodelets.load_requests import LoadRequest
 from robot_vision.ros.context import current
@@ -75,6 +77,28 @@ def test_a_bond_that_is_found_broken_late_does_not_unload_the_next_of_its_name(r
     assert nodes.names() == ["/edges"] and runtime.loaded == ["/edges"]
     second()
     assert nodes.names() == [] and runtime.loaded == []
+
+
+@pytest.mark.parametrize("ending", [False, True])
+def test_an_unload_fails_only_while_its_manager_lives(monkeypatch, runtime, bonds, ending):
+    """roslaunch tells a loader and its manager to end at a time; either may be the first."""
+    node = types.SimpleNamespace(name="/manager", is_ending=lambda: ending)
+    for name in ("on_end", "service"):
+        setattr(node, name, lambda *_: None)
+    monkeypatch.setattr(python_manager, "current", lambda: node)
+    monkeypatch.setattr(python_manager, "log_by_node", lambda: None)
+    manager = python_manager.PythonManager()
+    manager._nodes.load(LoadRequest("/edges", "other/nodelet", {}, [], ""))
+
+    def closed(_):
+        raise RuntimeError("the node has been shut down")
+
+    monkeypatch.setattr(runtime, "unload_nodelet", closed)
+    if ending:
+        assert manager._on_unload(NodeletUnloadRequest("/edges")).success
+    else:
+        with pytest.raises(rospy.ServiceException, match="not unloaded: the node has been shut"):
+            manager._on_unload(NodeletUnloadRequest("/edges"))
 
 
 class Halt:
