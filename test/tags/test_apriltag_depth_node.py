@@ -323,6 +323,22 @@ def test_a_camera_that_does_not_fit_is_named(start):
     studio.show_both_until(is_fused, SCENERY, GOOD)
 
 
+def test_a_camera_without_calibration_is_on_diagnostics(start):
+    studio = DepthStudio(start, "_diagnostic_period:=0.01")
+    diagnostics = support.Messages("/diagnostics", DiagnosticArray)
+    studio.info = studio.depth_info = CameraInfo(width=640, height=480)
+    lack = f"no poses of tags: camera_info on {studio.topic.replace('image', 'camera_info')}: "
+
+    def told():
+        studio.send_both(SCENERY, GOOD)
+        warnings = [one.message for one in statuses(diagnostics, DiagnosticStatus.WARN)]
+        return any(text.startswith(lack) for text in warnings)
+
+    support.wait_for(told, lack)
+    studio.info = studio.depth_info = calibrated()
+    studio.show_both_until(is_fused, SCENERY, GOOD)
+
+
 def test_stamps_that_never_meet_are_told(start):
     studio = DepthStudio(start)
     studio.lag = 0.45

@@ -219,10 +219,10 @@ def test_a_status_tells_what_is_missing_and_how_old_it_is(monkeypatch, exact):
     node = Node()
     report = depth_report.DepthReport(node, node)
 
-    def told(seconds):
+    def told(seconds, lack=""):
         now[0] += seconds
         report.add([], exact.camera, exact.params, exact.errors)
-        report.publish()
+        report.publish(lack)
         return report._status.level, report._status.text
 
     nothing = DiagnosticStatus.OK, "no tag was seen with depth on /depth"
@@ -234,7 +234,9 @@ def test_a_status_tells_what_is_missing_and_how_old_it_is(monkeypatch, exact):
     node.lack = "no depth on /depth for 30 s"
     assert told(0.0) == (DiagnosticStatus.WARN, node.lack)
     assert report._status.values["tags compared"] == str(len(exact.tags))
+    assert told(0.0, "no poses of tags") == (DiagnosticStatus.WARN, node.lack)
     node.lack = ""
+    assert told(0.0, "no poses of tags") == (DiagnosticStatus.WARN, "no poses of tags")
     node.end_work()
     assert told(0.0) == nothing
 

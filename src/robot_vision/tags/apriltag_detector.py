@@ -113,7 +113,8 @@ class ApriltagDetector:
             )
         if camera is not None and depth is not None:
             self._depth_report.add(tags, camera, self._poses[0], self._depth_errors)
-        self._depth_report.publish()
+        lacks = camera is None and not self._calibration.is_on_its_way
+        self._depth_report.publish(self._calibration.problem if lacks else "")
         self._publish(frame, camera, tags, bundles)
 
     def _publish(

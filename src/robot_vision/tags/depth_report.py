@@ -56,13 +56,17 @@ class DepthReport:
         if self._check.rejects() and self._warnings.due():
             rospy.logwarn("%s", misfit(self._check, self._depth.topic))
 
-    def publish(self) -> None:
-        """Publishes the status if it is due."""
-        if self._depth.topic:
-            self._status.publish(lambda: (*self._summary(), values(self._check)))
+    def publish(self, lack: str = "") -> None:
+        """Publishes the status if it is due.
 
-    def _summary(self) -> Tuple[int, str]:
-        problem = self._depth.problem()
+        Args:
+            lack: Why no tag has a pose that a depth could be compared with; empty if they have.
+        """
+        if self._depth.topic:
+            self._status.publish(lambda: (*self._summary(lack), values(self._check)))
+
+    def _summary(self, lack: str) -> Tuple[int, str]:
+        problem = self._depth.problem() or lack
         if problem:
             return DiagnosticStatus.WARN, problem
         level, text = summary(self._check, self._depth.topic, self.max_error)
