@@ -1,8 +1,8 @@
 """Several cameras in one nodelet manager: each works whatever becomes of the others."""
 
+import contextlib
 import os
 import pathlib
-import re
 import signal
 import socket
 import sys
@@ -34,6 +34,12 @@ def loaded():
     return set(rospy.ServiceProxy(MANAGER + "/list", NodeletList)().nodelets)
 
 
+def loaded_now():
+    """What is loaded, or None while there is no manager."""
+    with contextlib.suppress(rospy.ServiceException, rospy.ROSException):
+        return loaded()
+
+
 def process_of(node):
     """The process id of a node."""
     return support.node_api(node).getPid("/test")[2]
@@ -63,12 +69,13 @@ def test_cameras_of_a_launch_file(start, tmp_path):
     command = ["/usr/bin/roslaunch", "robot_vision", "cameras.launch", f"config:={config}"]
     process = start(*command, env=PROMPT)
     victims = (MANAGER, "/camera_loader", None)
-    for times, victim in enumerate(victims, 1):
-        last = re.compile("(?s)" + times * ".*/rear: loaded")
-        wait_for(lambda: last.match(process.output()), "the cameras")  # noqa: B023
+    times = 0  # that the last camera was loaded; again, too, when a bond breaks on a busy machine
+    for victim in victims:
+        wait_for(lambda: process.output().count("/rear: loaded") > times, "the cameras")  # noqa: B023
         assert_frames("/front", 160, "front")
         assert_frames("/rear", 200, "rear_eye")
-        assert loaded() == {"/front", "/rear", "/missing"}
+        wait_for(lambda: loaded_now() == {"/front", "/rear", "/missing"}, "all that can be loaded")
+        times = process.output().count("/rear: loaded")
         if victim:
             os.kill(process_of(victim), signal.SIGKILL)
     output = process.output()

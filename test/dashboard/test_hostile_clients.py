@@ -20,8 +20,8 @@ from robot_vision.dashboard.handlers import GuardedHandler
 @pytest.fixture
 def impatient(monkeypatch):
     """A server with short timeouts."""
-    monkeypatch.setattr(http_server, "HEADER_TIMEOUT", 0.5)
-    monkeypatch.setattr(http_server, "BODY_TIMEOUT", 0.5)
+    monkeypatch.setattr(http_server, "HEADER_TIMEOUT", 1.5)
+    monkeypatch.setattr(http_server, "BODY_TIMEOUT", 1.5)
     made = Served()
     yield made
     made.server.close()

@@ -20,7 +20,7 @@ from robot_vision.recordings.depth_images import depths_of_bag
 from robot_vision.transport import ImageSubscriber
 
 SIZE = "_image_width:=96", "_image_height:=72", "_framerate:=10"
-FRAMES = 12  # that are recorded
+FRAMES = 30  # that are recorded
 ROSBAG = pathlib.Path("/usr/lib/rosbag")
 if not ROSBAG.exists():
     ROSBAG = pathlib.Path("/opt/ros/noetic/lib/rosbag")

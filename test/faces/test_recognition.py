@@ -289,9 +289,9 @@ def test_enrollment_begins_anew_when_another_face_comes():
 
 def test_enrollment_ends_when_it_is_given_up():
     given_up = threading.Event()
-    waiting = threading.Thread(target=Enrollment(1).wait, args=(60.0, given_up.is_set))
+    waiting = threading.Thread(target=Enrollment(1).wait, args=(600.0, given_up.is_set))
     waiting.start()
     given_up.set()
-    waiting.join(5.0)
+    waiting.join(60.0)
     assert not waiting.is_alive()
     assert Enrollment(1).outcome() == "took 0 of 1 images; saw no others"

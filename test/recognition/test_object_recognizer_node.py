@@ -349,9 +349,14 @@ def test_live_parameters(start, kitchen, table):
     high = {f"{axis}_max": value + 0.02 for axis, value in place.items()}
     assert found(crop=True, **low, **high) == {"duck"}
     newest = statuses()
-    left_out = lambda: newest() and values_of(newest())["can"].endswith(", 1 outside of the crop")  # noqa: E731
-    eyes.shown_until(left_out, "what became of the can")
-    assert values_of(newest())["duck"].count(",") == 1
+
+    def left_out():
+        """The reasons of a status, if they are those of the crop; frames may miss their depth."""
+        reasons = values_of(newest()) if newest() else {}
+        is_of_crop = reasons.get("can", "").endswith(", 1 outside of the crop")
+        return reasons if is_of_crop else None
+
+    assert eyes.shown_until(left_out, "what became of the can")["duck"].count(",") == 1
     assert found(crop=False, objects="box", max_distance=0.5) == set()
     assert found(objects="", max_distance=3.0) == set(NAMES)
     assert found(on_tables=True) == set(NAMES)
@@ -487,10 +492,7 @@ def test_goals_of_an_idle_node_wait_until_it_is_known_what_is_up(start, kitchen,
     newest = statuses()
 
     def answer():
-        client.send_goal(ObjectRecognitionGoal())
-        eyes.shown_until(client.get_result, "the result of the action")
-        support.wait_for(lambda: client.get_state() in DONE, "its state")
-        return client.get_state(), client.get_goal_status_text()
+        return outcome(client, ObjectRecognitionGoal(), eyes)
 
     lack = "no transform from the vertical_frame 'level' to its frame 'eye', expected on "
     state, text = answer()
@@ -637,14 +639,31 @@ def test_clients_of_ork(start, kitchen, table, tmp_path):
     require_goal(client, theirs.msg.ObjectRecognitionGoal, eyes, kitchen)
 
 
+def outcome(client, goal, eyes):
+    """The state and the text of a goal for which camera_info and depth have come in time.
+
+    A node that was idle gives them 2 s behind its first image, which may pass on a busy machine.
+    """
+    late = "there is none", "can be used with the images"
+
+    def ended():
+        client.send_goal(goal)
+        # Its state may come before the result, or behind it.
+        eyes.shown_until(client.get_result, "the result of the action")
+        support.wait_for(lambda: client.get_state() in DONE, "its state")
+        text = client.get_goal_status_text()
+        return None if any(words in text for words in late) else (client.get_state(), text)
+
+    return support.wait_for(ended, "a result of images with all that belongs to them")
+
+
 def require_goal(client, goal, eyes, kitchen):
     """Sends goals: without limits, with limits around one object, and with wrong ones."""
     assert client.wait_for_server(rospy.Duration(support.DEADLINE))
 
     def result(**values):
-        client.send_goal(goal(**values))
-        # Not until its state says so, which may come before the result.
-        return eyes.shown_until(client.get_result, "the result of the action")
+        outcome(client, goal(**values), eyes)
+        return client.get_result()
 
     found = result().recognized_objects
     assert set(named(kitchen, found)) == set(NAMES)

@@ -21,6 +21,7 @@
 #include <utility>
 
 #include "ros/shared_memory/slot_address.hpp"
+#include "ros/shared_memory/slot_reader.hpp"
 
 /// Processes for tests: forked without exec, so that there can be a thousand of them in some seconds.
 namespace processes
@@ -41,6 +42,12 @@ inline bool becomes(const std::function<bool()>& condition, std::chrono::seconds
   }
   return true;
 }
+
+/// A reader for which a publisher's process may be long without a core.
+struct PatientReader : robot_vision::SlotReader
+{
+  PatientReader() : SlotReader(static_cast<double>(kDeadline.count())) {}
+};
 
 /// A forked process that runs a function, whose result is its exit code, and is killed at the end of this and at that
 /// of the thread that has made it: what kills a test leaves none behind.

@@ -86,7 +86,7 @@ TEST(AdoptedVectors, mayBeEmpty)
 TEST(AdoptedVectors, standInFramesOfOtherProcesses)
 {
   SlotWriter writer;
-  SlotReader reader;
+  SlotReader reader(60.0);
   const auto memory = numbers();
   auto slot = writer.take(memory.size());
   {

@@ -54,7 +54,7 @@ std::shared_ptr<const HeldSlot> readFrame(SlotReader& reader, Board& board)
 /// Reads for ever, and always has some frames in hand.
 int readForEver(Board& board)
 {
-  SlotReader reader;
+  PatientReader reader;
   std::vector<std::shared_ptr<const HeldSlot>> in_hand(3);
   for (std::size_t turn = 0;; ++turn)
   {
@@ -123,7 +123,7 @@ TEST(KilledProcesses, publishersLeaveNothingBehindAndTheirFramesWhole)
   std::mt19937 random(2);
   Shared<Board> board;
   {
-    SlotReader reader;
+    PatientReader reader;
     std::shared_ptr<const HeldSlot> kept;
     for (int kills = 0; kills < kKills; ++kills)
     {

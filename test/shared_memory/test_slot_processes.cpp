@@ -27,6 +27,7 @@ using processes::fillFrame;
 using processes::isWhole;
 using processes::kDeadline;
 using processes::openDescriptors;
+using processes::PatientReader;
 using processes::Shared;
 
 namespace
@@ -64,7 +65,7 @@ bool readNewest(SlotReader& reader, Board& board, Held& held)
 /// What there is to say of the newest frame; empty if it can be held.
 std::string reasonAt(Board& board)
 {
-  SlotReader reader;
+  PatientReader reader;
   try
   {
     reader.hold(*board.newest());
@@ -93,7 +94,7 @@ TEST(StoppedReaders, keepTheirFramesAndHoldUpNobody)
   Child reader(
       [&]
       {
-        SlotReader slots;
+        PatientReader slots;
         Held held;
         std::vector<Held> all(8);
         for (std::size_t i = 0;; ++i)
@@ -132,7 +133,7 @@ TEST(StoppedReaders, keepTheirFramesAndHoldUpNobody)
 TEST(Publishers, thatAreRestartedWithAnotherSizeAreReadOn)
 {
   Shared<Board> board;
-  SlotReader reader;
+  PatientReader reader;
   Held held;
   for (const std::size_t bytes : {640 * 480 * 3, 1920 * 1080, 8, 100000})
   {
@@ -166,7 +167,7 @@ TEST(ManyReaders, areAllServed)
       readers.emplace_back(
           [&]
           {
-            SlotReader slots;
+            PatientReader slots;
             Held held;
             int whole = 0;
             const auto has_enough = [&]
@@ -198,7 +199,7 @@ TEST(ForkedChildren, doNotGiveBackWhatTheirParentsHold)
 {
   Shared<Board> board;
   SlotWriter writer;
-  SlotReader reader;
+  PatientReader reader;
   publish(writer, *board, 1);
   Held held = reader.hold(*board->newest());
   std::shared_ptr<WritableSlot> in_use = writer.take(kBytes);
@@ -237,13 +238,13 @@ TEST(ForkedChildren, haveSlotsAndReadersOfTheirOwn)
   Shared<Board> board;
   Shared<Board> of_child;
   SlotWriter writer;
-  SlotReader reader;
+  PatientReader reader;
   publish(writer, *board, 1);
   const Held held = reader.hold(*board->newest());
   Child child(
       [&]
       {
-        SlotReader readers_own;
+        PatientReader readers_own;
         Held of_parent;
         if (!readNewest(readers_own, *board, of_parent)) return 1;
         SlotWriter writers_own;
@@ -262,7 +263,7 @@ TEST(ForkedChildren, giveTheirOwnFilesToTheirOwnChildren)
 {
   Shared<Board> board;
   SlotWriter writer;
-  SlotReader reader;
+  PatientReader reader;
   publish(writer, *board, 1);
   const Held held = reader.hold(*board->newest());
   Child parent(
@@ -292,7 +293,7 @@ TEST(ForkedChildren, doNotKeepTheirParentsConnected)
   Child parent(
       [&]
       {
-        SlotReader reader;
+        PatientReader reader;
         const Held held = reader.hold(*board->newest());
         Child child(
             [&]

@@ -36,6 +36,7 @@ int fallocate(int number, int mode, off_t offset, off_t bytes)
 using namespace robot_vision;
 using processes::fillFrame;
 using processes::isWhole;
+using processes::PatientReader;
 
 namespace
 {
@@ -95,7 +96,7 @@ std::string faultOf(SlotReader& reader, const SlotAddress& address)
 TEST(Slots, readersSeeWhatWasWritten)
 {
   SlotWriter writer;
-  SlotReader reader;
+  PatientReader reader;
   for (std::uint64_t number = 0; number < 20; ++number)
   {
     const SlotAddress address = publish(writer, number);
@@ -109,7 +110,7 @@ TEST(Slots, readersSeeWhatWasWritten)
 TEST(Slots, signalsDoNotKeepAFrameFromItsMemory)
 {
   SlotWriter writer;
-  SlotReader reader;
+  PatientReader reader;
   constexpr std::size_t kLarge = (std::size_t{3} << 20) + 5;
   interruptions = 3;
   EXPECT_TRUE(isFrame(*reader.hold(publish(writer, 1, kLarge)), 1, kLarge));
@@ -120,7 +121,7 @@ TEST(Slots, whatAReaderHoldsOfATopicThatRestsDoesNotCountForAnother)
 {
   const auto server = std::make_shared<SlotServer>();
   SlotWriter resting(limits(4), server), other(limits(4), server);
-  SlotReader reader;
+  PatientReader reader;
   std::vector<Held> held;
   for (std::uint64_t number = 0; number < 2; ++number)
     held.push_back(reader.hold(publish(resting, number)));
@@ -139,14 +140,14 @@ TEST(Slots, whatAReaderHoldsOfATopicThatRestsDoesNotCountForAnother)
 TEST(Slots, framesWithoutPixelsAreFrames)
 {
   SlotWriter writer;
-  SlotReader reader;
+  PatientReader reader;
   EXPECT_EQ(reader.hold(publish(writer, 1, 0))->bytes(), 0U);
 }
 
 TEST(Slots, theNewestFramesAreThereForReadersThatComeLate)
 {
   SlotWriter writer;
-  SlotReader reader;
+  PatientReader reader;
   std::vector<SlotAddress> addresses;
   for (std::uint64_t number = 0; number < 40; ++number)
     addresses.push_back(publish(writer, number));
@@ -159,7 +160,7 @@ TEST(Slots, theNewestFramesAreThereForReadersThatComeLate)
 TEST(Slots, heldFramesAreNeverOverwritten)
 {
   SlotWriter writer(limits(20));
-  SlotReader reader;
+  PatientReader reader;
   std::map<std::uint64_t, Held> held;
   for (std::uint64_t number = 0; number < 100; ++number)
   {
@@ -203,7 +204,7 @@ TEST(Slots, theirBytesAreLimited)
 TEST(Slots, oneReaderHoldsAtMostHalf)
 {
   SlotWriter writer(limits(8));
-  SlotReader reader;
+  PatientReader reader;
   std::vector<Held> held;
   for (std::uint64_t number = 0; number < 4; ++number)
     held.push_back(reader.hold(publish(writer, number)));
@@ -217,7 +218,7 @@ TEST(Slots, oneReaderHoldsAtMostHalf)
 TEST(Slots, oneReaderHoldsAtMostHalfOfTheBytes)
 {
   SlotWriter writer(limits(100, 1 << 20));
-  SlotReader reader;
+  PatientReader reader;
   std::vector<Held> held;
   for (std::uint64_t number = 0; number < 2; ++number)
     held.push_back(reader.hold(publish(writer, number, 200000)));
@@ -232,7 +233,7 @@ TEST(Slots, thisProcessHoldsToo)
   const SlotAddress address = kept->publish();
   for (std::uint64_t number = 0; number < 50; ++number)
     publish(writer, number);
-  SlotReader reader;
+  PatientReader reader;
   EXPECT_TRUE(isFrame(*reader.hold(address), 77));
   EXPECT_EQ(kept->publish().generation, address.generation);
 }
@@ -240,7 +241,7 @@ TEST(Slots, thisProcessHoldsToo)
 TEST(Slots, whatWasNotPublishedCannotBeHeld)
 {
   SlotWriter writer;
-  SlotReader reader;
+  PatientReader reader;
   SlotAddress address = publish(writer, 0);
   const std::shared_ptr<WritableSlot> unpublished = writer.take(kBytes);
   for (std::uint32_t slot = 0; slot < 2; ++slot)
@@ -257,7 +258,7 @@ TEST(Slots, whatWasNotPublishedCannotBeHeld)
 TEST(Slots, anotherSizeIsOtherMemory)
 {
   SlotWriter writer;
-  SlotReader reader;
+  PatientReader reader;
   const SlotAddress old_address = publish(writer, 1, 5000000);
   const Held old_frame = reader.hold(old_address);
   std::uint64_t number = 2;
@@ -273,7 +274,7 @@ TEST(Slots, anotherSizeIsOtherMemory)
 TEST(Slots, memoryOfAnotherSizeIsFreed)
 {
   SlotWriter writer;
-  SlotReader reader;
+  PatientReader reader;
   for (std::uint64_t number = 0; number < 6; ++number)
     reader.hold(publish(writer, number, 5000000));
   for (std::uint64_t number = 0; number < 6; ++number)
@@ -300,7 +301,7 @@ TEST(Slots, memoryThatIsNeededNoLongerIsFreed)
 TEST(Slots, theMemoryOfAWriterThatRestsIsGivenBackButForWhatIsHeld)
 {
   SlotWriter writer;
-  SlotReader reader;
+  PatientReader reader;
   const Held held = reader.hold(publish(writer, 1));
   auto in_use = writer.take(kBytes);
   publish(writer, 2);
@@ -319,7 +320,7 @@ TEST(Slots, theMemoryOfAWriterThatRestsIsGivenBackButForWhatIsHeld)
 
 TEST(Slots, aFrameOutlivesItsReaderAndItsWriter)
 {
-  auto reader = std::make_unique<SlotReader>();
+  auto reader = std::make_unique<PatientReader>();
   auto writer = std::make_unique<SlotWriter>();
   const SlotAddress address = publish(*writer, 5);
   const Held held = reader->hold(address);
@@ -330,15 +331,15 @@ TEST(Slots, aFrameOutlivesItsReaderAndItsWriter)
   reader.reset();
   writable.reset();
   EXPECT_TRUE(isFrame(*held, 5));
-  SlotReader other;
+  PatientReader other;
   EXPECT_NE(faultOf(other, address), "");
 }
 
 TEST(Slots, readersOfOneProcessShareAConnection)
 {
   SlotWriter writer;
-  SlotReader first;
-  SlotReader second;
+  PatientReader first;
+  PatientReader second;
   const SlotAddress address = publish(writer, 1);
   const Held a = first.hold(address);
   const Held b = second.hold(address);
@@ -349,7 +350,7 @@ TEST(Slots, readersOfOneProcessShareAConnection)
 TEST(Slots, aSlotIsHeldUntilItsLastHolderEnds)
 {
   SlotWriter writer(limits(6));
-  SlotReader reader;
+  PatientReader reader;
   const SlotAddress address = publish(writer, 1);
   Held a = reader.hold(address);
   const Held b = reader.hold(address);
@@ -362,7 +363,7 @@ TEST(Slots, aSlotIsHeldUntilItsLastHolderEnds)
 TEST(Slots, readersCannotWrite)
 {
   SlotWriter writer;
-  SlotReader reader;
+  PatientReader reader;
   const Held held = reader.hold(publish(writer, 1));
   auto* page = const_cast<std::uint8_t*>(held->data());
   EXPECT_EQ(mprotect(page, 4096, PROT_READ | PROT_WRITE), -1);
@@ -383,7 +384,7 @@ TEST(Slots, pixelsInASlotAreRecognized)
 TEST(Slots, addressesThatCannotBeAreRefused)
 {
   SlotWriter writer;
-  SlotReader reader;
+  PatientReader reader;
   const SlotAddress good = publish(writer, 1);
   const auto fault_with = [&](auto change)
   {
@@ -391,7 +392,7 @@ TEST(Slots, addressesThatCannotBeAreRefused)
     change(address);
     return faultOf(reader, address);
   };
-  SlotReader unconnected;
+  PatientReader unconnected;
   SlotAddress elsewhere = good;
   elsewhere.boot_id = "7";
   EXPECT_EQ(faultOf(unconnected, elsewhere), "other host");
@@ -416,7 +417,7 @@ TEST(Slots, addressesThatCannotBeAreRefused)
 TEST(Slots, areForAnyNumberOfThreads)
 {
   SlotWriter writer;
-  SlotReader reader;
+  PatientReader reader;
   processes::Board board;
   std::atomic<bool> ending{false};
   std::vector<std::thread> readers;

@@ -30,7 +30,7 @@ class Dashboard:
         self._start, self._arguments, self._env = start, arguments, env
         self._program = folder / "dashboard.py"
         self._program.write_text(PROGRAM)
-        self._port = 0
+        self._port = support.free_port()  # which no other program gets while it is killed
         self.begin()
 
     def begin(self) -> None:

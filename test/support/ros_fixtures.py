@@ -11,6 +11,7 @@ import xmlrpc.client
 
 import pytest
 import support
+from ports import free_port
 
 ROSLAUNCH = "/usr/bin/roslaunch"
 
@@ -45,8 +46,8 @@ def master(tmp_path_factory):
         disable_signals=True,
         disable_rosout=True,
         # Who still calls a killed node of another test must not get here: see free_port().
-        xmlrpc_port=support.free_port(),
-        tcpros_port=support.free_port(),
+        xmlrpc_port=free_port(),
+        tcpros_port=free_port(),
     )
     yield made
     rospy.signal_shutdown("tests done")

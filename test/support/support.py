@@ -5,7 +5,6 @@ import functools
 import json
 import os
 import pathlib
-import random
 import select
 import signal
 import socket
@@ -24,6 +23,7 @@ import roslib.packages
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from nodelet.srv import NodeletList, NodeletLoad, NodeletUnload
+from ports import free_port
 
 DEADLINE = 60.0  # s; on an idle machine everything takes a moment only
 RENEWAL_PERIOD = 2.0  # s
@@ -32,7 +32,6 @@ PARAMETER_TYPES = {"bool": bool, "int": int, "double": float, "str": str}
 
 
 arrived = threading.Event()  # set by each message, cleared by wait_for()
-given_ports: Set[int] = set()  # by free_port()
 
 
 def wait_for(condition: Callable[[], Any], what: str, seconds: float = DEADLINE) -> Any:
@@ -100,17 +99,6 @@ def standing_still(process: "Process") -> Iterator[None]:
         os.kill(process.pid, signal.SIGCONT)
 
 
-def free_port() -> int:
-    """A free TCP port, another one each time, that no program gets that asks for any port."""
-    while True:
-        port = random.SystemRandom().randrange(11400, 32768)  # Linux gives any ports from 32768 on
-        with contextlib.suppress(OSError), socket.socket() as probe:
-            probe.bind(("127.0.0.1", port))
-            if port not in given_ports:
-                given_ports.add(port)
-                return port
-
-
 def spawn(command: List[str], log: pathlib.Path, env: Dict[str, str]) -> subprocess.Popen:
     """Starts a command whose output goes to `log`."""
     with open(log, "wb") as out:
@@ -155,12 +143,13 @@ class Process:
     def running(self) -> bool:
         return self._popen.poll() is None
 
-    def _state(self) -> str:
-        """The kernel's letter for what its main thread does: R while it needs a core."""
-        with contextlib.suppress(OSError):
-            stat = pathlib.Path(f"/proc/{self.pid}/stat").read_text(errors="replace")
-            return stat.rpartition(")")[2].split()[0]
-        return ""
+    def _is_idle(self) -> bool:
+        """Whether none of its threads needs a core or the disk, or is stopped."""
+        for thread in pathlib.Path(f"/proc/{self.pid}/task").glob("*/stat"):
+            with contextlib.suppress(OSError):  # It has ended.
+                if thread.read_text(errors="replace").rpartition(")")[2].split()[0] in "RDT":
+                    return False
+        return True
 
     def kill(self) -> None:
         self._popen.send_signal(signal.SIGKILL)
@@ -191,7 +180,7 @@ class Process:
             with contextlib.suppress(Exception):
                 rosgraph.Master("/test").getPid()
             time.sleep(0.02)
-            turns += self._state() not in ("R", "T")
+            turns += self._is_idle()
         # A stuck Python node is ended by its watchdog with the same code, but with a message.
         assert "did not end within" not in self.output(), self.output()
         return self.exit_code()

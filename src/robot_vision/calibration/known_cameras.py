@@ -11,7 +11,7 @@ from ..recordings.bag_images import messages_on, opened, require_topic, topics_o
 from ..ros.camera_info import cameras_of
 from .camera_file import read_camera
 
-TIMEOUT = 5.0  # s, longest wait for a camera_info
+TIMEOUT = 10.0  # s, longest wait for a camera_info
 SUFFIXES = (".yaml", ".yml")
 
 

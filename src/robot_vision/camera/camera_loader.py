@@ -121,15 +121,25 @@ class CameraLoader:
         """Returns the URI of the manager, or "" if it does not answer."""
         uri = ""
         with contextlib.suppress(*UNREACHABLE_ERRORS):
-            if has_service(self._manager + "/load_nodelet"):
-                with contextlib.closing(MasterCalls()) as master:
-                    registered = master.call("lookupNode", self._manager)
+            registered = self._registered_manager()
+            if registered:
                 _require_node(registered)
                 uri = registered
         if not uri and not self._waiting and not rospy.core.is_shutdown_requested():
             rospy.loginfo("waiting for the manager %s", self._manager)
         self._waiting = not uri
         return uri
+
+    def _registered_manager(self) -> str:
+        """Returns the URI of the manager by the master, or "" if it knows none.
+
+        Raises:
+            OSError: The master does not answer.
+        """
+        if not has_service(self._manager + "/load_nodelet"):
+            return ""
+        with contextlib.closing(MasterCalls()) as master:
+            return str(master.call("lookupNode", self._manager))
 
     def _prepare_manager(self, manager: str) -> bool:
         """Prepares a manager for cameras, and returns whether it is ready for them.
@@ -229,7 +239,7 @@ class CameraLoader:
         # A manager that is ending too, by the same Ctrl-C, would crash if a bond broke now.
         try:
             rospy.rostime.wallsleep(MANAGER_END_DELAY)
-            if not self._loading and self._manager_uri():
+            if not self._loading and self._is_manager_there():
                 with self._lock:
                     loaded, self._loaded = self._loaded, {}
                 for name, (_, bond) in loaded.items():
@@ -237,6 +247,12 @@ class CameraLoader:
                     bond.shutdown()
         finally:
             self._done.set()
+
+    def _is_manager_there(self) -> bool:
+        with contextlib.suppress(OSError):
+            manager = self._registered_manager()
+            return bool(manager) and _is_there(manager)
+        return False
 
     def _unload(self, name: str) -> None:
         service = rospy.ServiceProxy(self._manager + "/unload_nodelet", NodeletUnload)

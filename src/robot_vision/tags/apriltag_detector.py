@@ -1,6 +1,7 @@
 """The node apriltag_detector, which finds AprilTags and their poses."""
 
 import threading
+import time
 from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
@@ -33,8 +34,13 @@ WITHOUT_DEPTH = "poses of tags are from the corners alone"
 
 
 class Sighting(NamedTuple):
-    """A frame and the tags that were found in it, which may wait for their depth."""
+    """A frame and the tags that were found in it, which may wait for their depth.
 
+    Attributes:
+        taken: When the node took the frame, s of the monotonic clock.
+    """
+
+    taken: float
     frame: Frame
     gray: np.ndarray
     found: List[Tag]
@@ -92,19 +98,20 @@ class ApriltagDetector:
         note_connections()  # because /tf may start or stop to count
 
     def _search(self, frame: Frame) -> Any:
+        taken = time.monotonic()
         try:
             with self._lock:
                 gray = to_gray(frame.image, frame.encoding)
                 found = self._detector.update(frame.time, gray, "mono8")
         except (TypeError, ValueError) as error:
-            self._service.offer(frame)  # which answers with the error
+            self._service.offer(taken, frame)  # which answers with the error
             raise FrameError(error) from None
-        return self._depth.offer(frame, Sighting(frame, gray, found))
+        return self._depth.offer(frame, Sighting(taken, frame, gray, found))
 
     def _process(self, sighting: Sighting, depth: Optional[DepthFrame]) -> None:
-        frame, gray, found = sighting
+        taken, frame, gray, found = sighting
         if depth is not None or not self._depth.may_begin():
-            self._service.offer(frame, depth)
+            self._service.offer(taken, frame, depth)
         size = frame.image.shape[1::-1]
         camera = self._calibration.camera(size)
         with self._lock:

@@ -19,7 +19,7 @@ from ..ros.image_node import ImageNode
 from ..ros.transport import Frame
 from ..srv import DetectTags, DetectTagsResponse
 
-TIMEOUT = 5.0  # s that a call waits for a frame
+TIMEOUT = 10.0  # s that a call waits for a frame
 CALIBRATION_TIMEOUT = 2.0  # s that a call waits for camera_info once it has an image
 
 # Searches an image of an encoding, with its depth if there is one; returns the tags, and the reason
@@ -43,9 +43,9 @@ class DetectService:
         self._searching = threading.Lock()  # Large images need much memory: one at a time.
         current().service("~detect", DetectTags, self._on_detect)
 
-    def offer(self, frame: Frame, depth: Optional[DepthFrame] = None) -> None:
-        """Offers a frame, and its depth, to the calls that wait for one."""
-        self._calls.offer(lambda: (frame.image, frame.encoding, frame.header, depth))
+    def offer(self, taken: float, frame: Frame, depth: Optional[DepthFrame] = None) -> None:
+        """Offers calls a frame, taken at this time (s of the monotonic clock), and its depth."""
+        self._calls.offer(lambda: (frame.image, frame.encoding, frame.header, depth), taken)
 
     def _on_detect(self, request: Any) -> DetectTagsResponse:
         try:

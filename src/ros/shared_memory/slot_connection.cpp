@@ -10,7 +10,6 @@
 #include "seqpacket.hpp"
 #include "shared_memory_error.hpp"
 #include "slot_names.hpp"
-#include "slot_reader.hpp"
 
 namespace robot_vision
 {
@@ -64,8 +63,8 @@ bool MappedSlot::isGone() const
   return generation().load(std::memory_order_relaxed) == lease::kGone;
 }
 
-SlotConnection::SlotConnection(const SlotAddress& address)
-  : publisher_(checkedPublisher(address)), socket_(connectTo(address.socket, SlotReader::kTimeout)), holders_(kMaxSlots)
+SlotConnection::SlotConnection(const SlotAddress& address, double timeout)
+  : publisher_(checkedPublisher(address)), socket_(connectTo(address.socket, timeout)), holders_(kMaxSlots)
 {
   if (!isOfThisUser(socket_))
     fail(SharedMemoryFault::kOtherUser, "the publisher of images in shared memory is another user's");

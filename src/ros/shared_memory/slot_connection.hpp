@@ -42,8 +42,8 @@ private:
 class SlotConnection
 {
 public:
-  /// Throws SharedMemoryError.
-  explicit SlotConnection(const SlotAddress& address);
+  /// Waits for each answer at most `timeout` (s). Throws SharedMemoryError.
+  SlotConnection(const SlotAddress& address, double timeout);
   ~SlotConnection();
   SlotConnection(const SlotConnection&) = delete;
   SlotConnection& operator=(const SlotConnection&) = delete;

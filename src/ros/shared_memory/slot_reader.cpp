@@ -16,7 +16,7 @@ struct Connections
   std::map<std::string, std::weak_ptr<SlotConnection>> open;
 };
 
-std::shared_ptr<SlotConnection> connectOnce(const SlotAddress& address)
+std::shared_ptr<SlotConnection> connectOnce(const SlotAddress& address, double timeout)
 {
   static PerProcess<Connections> of_processes;
   Connections& connections = of_processes.get();
@@ -26,7 +26,7 @@ std::shared_ptr<SlotConnection> connectOnce(const SlotAddress& address)
   const auto found = connections.open.find(address.socket);
   std::shared_ptr<SlotConnection> connection = found == connections.open.end() ? nullptr : found->second.lock();
   if (connection && !connection->hasEnded()) return connection;
-  connection = std::make_shared<SlotConnection>(address);
+  connection = std::make_shared<SlotConnection>(address, timeout);
   connections.open[address.socket] = connection;
   return connection;
 }
@@ -50,7 +50,9 @@ std::uint64_t HeldSlot::quota() const
   return slot_->quota;
 }
 
-SlotReader::SlotReader() = default;
+SlotReader::SlotReader(double timeout) : timeout_(timeout)
+{
+}
 SlotReader::~SlotReader() = default;
 
 std::shared_ptr<const HeldSlot> SlotReader::hold(const SlotAddress& address)
@@ -77,7 +79,7 @@ std::shared_ptr<SlotConnection> SlotReader::connection(const SlotAddress& addres
     if (found != connections_.end()) return found->second;
   }
   forgetEnded();
-  std::shared_ptr<SlotConnection> connection = connectOnce(address);
+  std::shared_ptr<SlotConnection> connection = connectOnce(address, timeout_);
   const std::lock_guard<std::mutex> lock(mutex_);
   connections_[address.socket] = connection;
   return connection;

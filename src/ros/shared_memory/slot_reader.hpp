@@ -46,12 +46,13 @@ private:
 class SlotReader
 {
 public:
-  SlotReader();
+  /// On the connections that this reader makes an answer of a publisher's process is waited for at most `timeout` (s).
+  explicit SlotReader(double timeout = kTimeout);
   ~SlotReader();
 
   /// Connects to the publisher, if this has not happened yet, maps the slot, if it has not been, and holds the frame.
-  /// Never null. Throws SharedMemoryError. Waits for an answer of the publisher's process at most kTimeout, and only
-  /// for what is new: the connection and the first frame in each slot.
+  /// Never null. Throws SharedMemoryError. Waits for the publisher's process only for what is new: the connection and
+  /// the first frame in each slot.
   std::shared_ptr<const HeldSlot> hold(const SlotAddress& address);
 
   /// Forgets connections to publishers that have ended, with the memory of theirs that nothing holds. hold() does it,
@@ -63,6 +64,7 @@ public:
 private:
   std::shared_ptr<SlotConnection> connection(const SlotAddress& address);
 
+  const double timeout_;
   const unsigned forks_ = forkCount();
   std::mutex mutex_;                                                    // guards connections_
   std::map<std::string, std::shared_ptr<SlotConnection>> connections_;  // by the name of the socket
