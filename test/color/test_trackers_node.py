@@ -434,7 +434,7 @@ def test_the_frame_of_the_ball_alone_makes_the_node_work_unless_it_is_turned_off
 def test_camera_info_of_another_size_gives_no_position(start):
     info = CameraInfo(width=320, height=240, K=[300, 0, 160, 0, 300, 120, 0, 0, 1])
     camera = BallCamera(start, info)
-    text = "no position of the ball: camera_info on "
+    text = "camera_info is of 320x240, the image 640x480"
 
     def is_told():
         found = camera.shown().detections[0]
@@ -442,7 +442,7 @@ def test_camera_info_of_another_size_gives_no_position(start):
         return text in camera.process.output()
 
     support.wait_for(is_told, text)
-    camera.process.wait_for_output("camera_info is of 320x240, the image 640x480")
+    assert "no position of the ball: camera_info on " in camera.process.output()
     assert not camera.positions.received
 
 

@@ -504,7 +504,7 @@ def test_the_page_goes_on_when_its_node_is_killed_and_started_again(
     tmp_path,
 ):
     page.expected += ["WebSocket", "ERR_CONNECTION", "Failed to load resource"]
-    mine = Dashboard(start, tmp_path)
+    mine = Dashboard(start)
     page.open(mine.address)
     page.wait(f"{OPEN} && Number(document.body.dataset.frames) > 3")
     os.kill(mine.process.pid, signal.SIGKILL)
@@ -517,10 +517,10 @@ def test_the_page_goes_on_when_its_node_is_killed_and_started_again(
     assert page.value("document.getElementById('bar').hidden")
 
 
-def test_images_come_back_when_the_master_was_restarted(page, start, tmp_path):
+def test_images_come_back_when_the_master_was_restarted(page, start):
     page.expected += ["WebSocket", "ERR_CONNECTION"]  # at the end, when the node has ended
     master = support.Master(start)
-    mine = Dashboard(start, tmp_path, env=master.env)
+    mine = Dashboard(start, env=master.env)
     start("camera_node", "__name:=room", "_source:=synthetic", env=master.env)
     page.open(mine.address)
     tile = "robotVision.tiles.list().find((one) => one.node === '/room')"

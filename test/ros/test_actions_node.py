@@ -7,6 +7,7 @@ SCRIPT = """
 import gc, weakref
 import rosgraph, rospy
 from robot_vision.msg import CheckForObjectsAction
+from robot_vision.ros import actions
 from robot_vision.ros.actions import action_server
 from robot_vision.ros.context import LoadedContext, active
 
@@ -17,6 +18,7 @@ class Node:
         pass
 
 rospy.init_node("actions")
+actions.END_TIMEOUT = 30.0
 context = LoadedContext("/loaded", {}, print)
 with active(context):
     node = Node()
@@ -36,6 +38,7 @@ ENDS = """
 import threading
 import actionlib, rospy
 from robot_vision.msg import CheckForObjectsAction, CheckForObjectsGoal, CheckForObjectsResult
+from robot_vision.ros import actions
 from robot_vision.ros.actions import action_server
 from robot_vision.ros.context import LoadedContext, active, current
 
@@ -54,6 +57,8 @@ def comes_too_late(server, goal):
         done.set()
 
 rospy.init_node("actions", log_level=rospy.INFO)
+if EXECUTE is waits:
+    actions.END_TIMEOUT = 30.0
 ending = threading.Event()
 context = LoadedContext("/loaded", {}, print)
 context.on_end(ending.set)

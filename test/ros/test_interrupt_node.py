@@ -3,6 +3,7 @@
 import concurrent.futures
 import contextlib
 import hashlib
+import http.client
 import itertools
 import os
 import pathlib
@@ -197,6 +198,7 @@ def test_the_status_printer_in_the_middle_of_its_lines(start):
 
 LOCKED_NODE = """
 import threading, time, rospy
+from robot_vision.ros import startup
 from robot_vision.ros.startup import run_node
 
 def start():
@@ -208,6 +210,7 @@ def start():
         if {stuck}:
             time.sleep(60)
 
+startup.SHUTDOWN_GRACE = 5.0
 run_node("locked", start)
 """
 
@@ -218,7 +221,7 @@ def test_python_node_that_holds_a_lock_needed_for_its_shutdown(run_script, stuck
     process.wait_for_output("locked")
     process.interrupt()
     assert process.exit_code() == 0, process.output()
-    assert ("did not end within 2 s" in process.output()) == stuck
+    assert ("did not end within 5 s" in process.output()) == stuck
 
 
 SLOW_NODE = """
@@ -289,12 +292,13 @@ def test_the_time_without_a_core_comes_from_the_kernel():
     os.sched_setaffinity(0, {min(cores)})
     try:
         threads = [threading.Thread(target=compute) for _ in range(2)]
-        before = sum(startup.waited_for_cores().values())
+        before = startup.waited_for_cores()
         for thread in threads:
             thread.start()
         for _ in threads:
             done.acquire()
-        assert sum(startup.waited_for_cores().values()) - before > 0.01
+        waited = startup.waited_for_cores()  # without threads of others that have ended meanwhile
+        assert sum(waited[thread] - before.get(thread, 0.0) for thread in waited) > 0.01
     finally:
         read.set()
         os.sched_setaffinity(0, cores)
@@ -379,5 +383,8 @@ def test_shutdown_request_while_the_master_is_stopped(start, node):
         rospy.ServiceProxy(service, Trigger)()  # the node answers when it has started
     address = master.api.lookupNode("/node")
     with support.standing_still(master.process):
-        xmlrpc.client.ServerProxy(address).shutdown("/test", "as rosnode kill does")
+        with contextlib.suppress(
+            OSError, http.client.HTTPException
+        ):  # if it ends before it answers
+            xmlrpc.client.ServerProxy(address).shutdown("/test", "as rosnode kill does")
         assert process.exit_code() == 0, process.output()

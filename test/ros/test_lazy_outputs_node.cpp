@@ -380,8 +380,12 @@ TEST(LazyImageInput, whatCannotBeSubscribedToIsToldAndTriedAgain)
   wanted = true;
   input.update();
   diagnostic_updater::DiagnosticStatusWrapper status;
-  input.statistics().report(status);
-  EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::ERROR);
+  EXPECT_TRUE(waitFor(
+      [&]
+      {
+        input.statistics().report(status);
+        return status.level == diagnostic_msgs::DiagnosticStatus::ERROR;
+      }));
   EXPECT_EQ(status.message.find("cannot subscribe: "), 0U) << status.message;
   other.shutdown();
   EXPECT_TRUE(waitFor([&] { return listens.load(); }));

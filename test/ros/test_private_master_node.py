@@ -89,7 +89,9 @@ def test_what_a_test_starts_is_of_the_test(start):
     started = start("/usr/bin/sleep", 60)
     forked = start("python_manager.py")
     me = str(os.getpid())
-    assert private_master.is_of_test(started.pid, me) and private_master.is_of_test(forked.pid, me)
+    # A process has no environment yet when it has just become another program.
+    support.wait_for(lambda: private_master.is_of_test(started.pid, me), "the program")
+    assert private_master.is_of_test(forked.pid, me)
     assert not private_master.is_of_test(started.pid, me + "0")
     started.kill()
     started.exit_code()

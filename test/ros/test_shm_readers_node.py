@@ -77,7 +77,7 @@ def test_frames_that_are_kept_stay_as_they_are(camera):
     kept = frames.wait(count + 60)
     for frame, copy in zip(kept, copies):
         assert np.array_equal(frame.image, copy)
-    assert uses_shm(my_images(), camera)
+    support.wait_for(lambda: uses_shm(my_images(), camera), "frames over shm at last")
 
 
 def test_frames_for_which_there_is_no_memory_are_counted_and_come_again(run_script, camera):

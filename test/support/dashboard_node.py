@@ -8,7 +8,7 @@ import support
 
 TOKEN = "token-of-the-test"
 VIEW_TOKEN = "token-that-only-looks"
-PROGRAM = "from robot_vision.dashboard.dashboard import main\n\nmain()\n"
+PROGRAM = str(pathlib.Path(__file__).with_name("patient_dashboard.py"))
 
 
 class Dashboard:
@@ -16,20 +16,16 @@ class Dashboard:
 
     Args:
         start: a fixture of that name.
-        folder: for its program file.
         arguments: parameters and remappings.
     """
 
     def __init__(
         self,
         start: Callable[..., support.Process],
-        folder: pathlib.Path,
         *arguments: str,
         env: Optional[dict] = None,
     ):
         self._start, self._arguments, self._env = start, arguments, env
-        self._program = folder / "dashboard.py"
-        self._program.write_text(PROGRAM)
         self._port = support.free_port()  # which no other program gets while it is killed
         self.begin()
 
@@ -37,7 +33,7 @@ class Dashboard:
         """Starts the node; again on the port that it had before."""
         words = f"_token:={TOKEN}", f"_view_token:={VIEW_TOKEN}", f"_port:={self._port}"
         self.process = self._start(
-            str(self._program),
+            PROGRAM,
             "__name:=dashboard",
             *words,
             *self._arguments,

@@ -9,8 +9,4 @@ from dashboard_node import Dashboard
 @pytest.fixture(scope="module")
 def dashboard(start_once: Any, tmp_path_factory: Any) -> Dashboard:
     """One for all tests of a file."""
-    return Dashboard(
-        start_once,
-        tmp_path_factory.mktemp("dashboard"),
-        f"_bag_folder:={tmp_path_factory.mktemp('bags')}",
-    )
+    return Dashboard(start_once, f"_bag_folder:={tmp_path_factory.mktemp('bags')}")

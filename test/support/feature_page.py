@@ -39,15 +39,18 @@ class Publishers:
         return publisher
 
     def to_reader(self, topic, message):
-        """Publishes a message when somebody reads the topic."""
-        publisher = self._publisher(topic, message)
+        """Publishes a message when somebody reads the topic.
+
+        It is not kept for others: rospy might give one that is kept to that reader twice.
+        """
+        publisher = self._publisher(topic, message, latch=False)
         support.wait_for(publisher.get_num_connections, f"a reader of {topic}")
         publisher.publish(message)
 
-    def _publisher(self, topic, message):
-        key = topic, type(message)
+    def _publisher(self, topic, message, latch=True):
+        key = topic, type(message), latch
         if key not in self._publishers:
-            self._publishers[key] = rospy.Publisher(*key, queue_size=1000, latch=True)
+            self._publishers[key] = rospy.Publisher(*key[:2], queue_size=1000, latch=latch)
         return self._publishers[key]
 
 

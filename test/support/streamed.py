@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 import rospy
 import support
+from dashboard_node import PROGRAM
 from served import Page
 from tornado.httpclient import HTTPClient, HTTPResponse
 
@@ -50,7 +51,7 @@ class Dashboard:
 
     def __init__(self, start: Callable[..., support.Process], *arguments: str, **env: str):
         words = ("_port:=0", f"_token:={TOKEN}", *arguments)
-        self.process = start("dashboard.py", *words, env={"PYTHONUNBUFFERED": "1", **env})
+        self.process = start(PROGRAM, *words, env={"PYTHONUNBUFFERED": "1", **env})
         self.process.wait_for_output("dashboard: http://")
         self.host = re.search(r"dashboard: http://([^/]+)/", self.process.output())[1]
 

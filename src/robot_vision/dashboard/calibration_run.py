@@ -138,12 +138,13 @@ class CalibrationRun:
         """Returns what the page shows, as the contract of the push `calibration` has it."""
         watch, views = self._watch, len(self._watch.observations)
         size = watch.size or (0, 0)
+        waits = self._is_waiting()
         return {
             "topic": self.topic,
             "settings": self._settings,
             "size": list(size),
-            "corners": [] if self._is_waiting() else watch.corners,
-            "state": self._problem or self._words(),
+            "corners": [] if waits else watch.corners,
+            "state": self._problem or self._words(waits),
             "views": views,
             "needed": MIN_VIEWS,
             "max_views": MAX_VIEWS,
@@ -154,12 +155,12 @@ class CalibrationRun:
             "result": result_of(self._found) if self._found else None,
         }
 
-    def _words(self) -> str:
+    def _words(self, waits: bool) -> str:
         if self._solving:
             return "computing the camera"
         if self._found:
             return "the camera is computed"
-        if self._is_waiting():
+        if waits:
             return "it goes on when somebody looks who may control"
         return self._watch.words or f"waiting for images of {self.topic}"
 
