@@ -30,7 +30,9 @@ public:
   {
     const auto params = filled<SpectrumParams>(config);
     filter_ = std::make_unique<FrequencyFilter>(params);  // refuses bad ones, before anything has changed
-    correlator_ = std::make_unique<PhaseCorrelator>(params);
+    // Other filters and pictures do not begin anew.
+    if (!correlator_ || params.min_response != params_.min_response || params.max_gap != params_.max_gap)
+      correlator_ = std::make_unique<PhaseCorrelator>(params);
     params_ = params;
   }
 

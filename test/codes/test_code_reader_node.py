@@ -143,6 +143,27 @@ def test_known_codes_are_followed_and_the_search_period_changes_live(start):
     assert len(reader.read(both)[0].detections) == 2
 
 
+def test_another_repeat_period_does_not_begin_anew(start):
+    reader = Reader(start, "_repeat_period:=0", "_max_search_period:=60")
+    assert reader.read(with_codes(b"a"))[0].detections
+    support.reconfigured("/reader", repeat_period=0.01)
+    codes, _ = reader.read(with_codes(b"a", b"b"))  # of which a first frame would have both
+    assert [code.label for code in codes.detections] == ["a"]
+
+
+def test_all_is_news_after_a_time_without_subscribers(start):
+    reader = Reader(start, "_repeat_period:=3600")
+    assert reader.read(with_codes(b"a"))[0].detections
+    reader.codes.close()
+    reader.overlays.close()
+    reader.source.wait_for(0)
+    reader.codes = support.subscribed("/reader/codes", DetectionArray)
+    reader.overlays = support.subscribed("/reader/processed_image", Image)
+    reader.source.wait_for()
+    codes, _ = reader.read(with_codes(b"a"))
+    assert [code.label for code in codes.detections] == ["a"]
+
+
 def test_symbologies_are_changed_live(start):
     reader = Reader(start, "_repeat_period:=0")
     assert reader.read(with_codes(b"a"))[0].detections

@@ -385,6 +385,13 @@ def test_invalid_images_are_refused():
         reader().read(np.zeros((40, 40, 0), np.uint8))
 
 
+def test_a_search_of_many_seconds_is_refused():
+    text = "enlarge is 4, must be less, or the image of 4000x2000 have at most 6250000 pixels"
+    for read in (lambda r, i: r.read(i, "mono8"), lambda r, i: r.update(0.0, i, "mono8")):
+        with pytest.raises(ValueError, match=text):
+            read(reader(enlarge=4), np.zeros((2000, 4000), np.uint8))
+
+
 @pytest.mark.parametrize(
     "name, value, text",
     [

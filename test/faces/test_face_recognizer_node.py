@@ -588,8 +588,9 @@ def test_faces_of_an_image_of_another_size_are_refused(start, folder, diagnostic
     assert door.look(ANNA) == "Anna"
 
 
-def test_missing_faces_and_those_of_another_camera_are_told(start, folder):
-    door = Door(start, f"_gallery:={folder}", *AT_ONCE)
+def test_missing_faces_and_those_of_another_camera_are_told(start, folder, diagnostics):
+    often, short = "_diagnostic_period:=0.2", "_enroll_timeout:=1"
+    door = Door(start, f"_gallery:={folder}", *AT_ONCE, often, short)
     image = message(BLANK, "bgr8")
     seconds = itertools.count(1000)
 
@@ -601,14 +602,36 @@ def test_missing_faces_and_those_of_another_camera_are_told(start, folder):
 
     support.wait_for(tell, "the warning that there is no detector")
 
-    def tell_of_others():  # until it is told: the node takes the newest only
-        found = DetectionArray(image.header, 320, 240, [])
-        found.header.stamp = rospy.Time(1000 + next(seconds))
+    text = f"no images on {door.images.topic} have the stamps of {door.faces.topic}: is it another"
+
+    def send_of_others():
+        image.header.stamp = rospy.Time(next(seconds))
+        found = stamped(DetectionArray, next(seconds) + 0.5)
+        found.width, found.height = 320, 240
+        door.images.send(image)
         door.faces.send(found)
-        text = f"no images on {door.images.topic} have the stamps of"
+
+    def tell_of_others():  # until it is told: the node takes the newest only
+        send_of_others()
         return text in door.process.output()
 
     support.wait_for(tell_of_others, "the warning that the faces are another camera's")
+    status = support.wait_for(
+        lambda: (
+            send_of_others() or [one for one in [diagnostics.next("door")] if text in one.message]
+        ),
+        "that in the status",
+    )
+    assert status[0].level == DiagnosticStatus.WARN
+    answers = []
+    call_of_enroll = threading.Thread(
+        target=lambda: answers.append(call("enroll", EnrollFace, "Emil", 1))
+    )
+    call_of_enroll.start()
+    while call_of_enroll.is_alive():
+        send_of_others()
+        call_of_enroll.join(0.05)
+    assert not answers[0].success and text in answers[0].message
     assert door.look(ANNA) == "Anna"
 
 

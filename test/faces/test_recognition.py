@@ -287,6 +287,28 @@ def test_enrollment_begins_anew_when_another_face_comes():
         assert np.array_equal(taken, expected)
 
 
+def test_enrollment_begins_anew_when_the_face_was_gone():
+    """Who comes to a place that is free gets the id of who was there last."""
+    enrollment = Enrollment(3)
+    begin, detector_misses_it, is_gone = 0.0, 1.4, 2.0
+    for number, now in enumerate((begin, 1.0)):
+        image, head = photograph(ANNA, number)
+        enrollment.offer(image, [OfferedFace(head, id=1)], now)
+    enrollment.offer(image, [], detector_misses_it)
+    assert len(enrollment.portraits) == 2
+    enrollment.offer(image, [OfferedFace(head, id=1, predicted=True)], 1.6)
+    enrollment.offer(image, [], is_gone)
+    assert enrollment.portraits == {}
+    expected = []
+    for number in range(3):
+        image, head = photograph(BERT, number)
+        enrollment.offer(image, [OfferedFace(head, id=1)], 3.0 + number)
+        expected.append(portrait(image, head))
+    assert enrollment.wait(0.0, lambda: False)
+    assert "2 were taken before the face was gone" in enrollment.outcome()
+    assert all(map(np.array_equal, enrollment.portraits.values(), expected))
+
+
 def test_enrollment_ends_when_it_is_given_up():
     given_up = threading.Event()
     waiting = threading.Thread(target=Enrollment(1).wait, args=(600.0, given_up.is_set))

@@ -148,6 +148,21 @@ class Room:
         return mask > 0, outline
 
 
+def test_of_many_regions_the_largest_are_told():
+    params = rv.MotionParams()
+    params.method, params.blur_size, params.threshold, params.dilate = "previous_frame", 1, 0.0, 0
+    params.min_area, params.max_changed = 0.0, 1.0
+    detector = rv.MotionDetector(params)
+    image = np.zeros((240, 320), np.uint8)
+    detector.update(0.0, image, "mono8")
+    image = image.copy()
+    image[::4, ::4] = 255  # 4800 of 1 px
+    image[100:110, 100:120] = 255
+    motion = detector.update(0.1, image, "mono8")
+    areas = [region.area for region in motion.regions]
+    assert len(areas) == 1000 and areas[0] > 150 and areas == sorted(areas, reverse=True)
+
+
 def test_the_scene_s_box_and_ball_are_found_while_they_are_elsewhere():
     room = Room()
     detector = rv.MotionDetector(params())

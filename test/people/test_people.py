@@ -135,9 +135,18 @@ def test_strides_are_multiples_of_4(asked, taken):
 def test_a_search_of_many_seconds_is_refused():
     values = {"scale": 1.02, "win_stride": 4, "max_width": 1920}
     text = "max_width is 1920 with scale 1.02 and win_stride 4, must be less, or the image of"
-    with pytest.raises(ValueError, match=rf"^{text} 1920x1080 have at most \d+ pixels$"):
+    with pytest.raises(ValueError, match=rf"^{text} 1920x1080 have at most 1[12]\d{{5}} pixels$"):
         detect(np.zeros((1080, 1920, 3), np.uint8), **values)
     assert len(detect(STREET, **values)) >= len(BOXES)
+
+
+@pytest.mark.parametrize("model", ["default", "daimler"])
+@pytest.mark.parametrize("scale", [1.01, 1.02, 1.05])
+def test_people_as_high_as_the_image_are_found_however_fine_the_steps_are(model, scale):
+    box = 210, 20, 220, 440
+    people = detect(street((640, 480), [box]), model=model, scale=scale, max_width=640)
+    places = [(x + width / 2, height) for x, _, width, height in (one.box for one in people)]
+    assert any(abs(x - 320) < 30 and height > 250 for x, height in places), places
 
 
 def test_the_surest_are_kept():

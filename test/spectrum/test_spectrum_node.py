@@ -136,6 +136,23 @@ def test_the_first_frame_after_a_time_without_subscribers_has_no_shift(start, ca
     assert (shift.vector.x, shift.vector.y) == pytest.approx((5, 0), abs=0.1)
 
 
+def test_another_filter_leaves_no_gap_in_the_shifts(start, camera):
+    watched = Watched(start, camera, topics=["magnitude"])
+    shifts = support.subscribed("/spectrum/shift", Vector3Stamped)
+    watched.show(frame())
+    support.reconfigured("/spectrum", filter="low_pass", radius=0.2)
+    watched.show(frame(5))
+    (shift,) = shifts.wait()
+    assert (shift.vector.x, shift.vector.y) == pytest.approx((5, 0), abs=0.1)
+    support.reconfigured("/spectrum", min_response=1.0)  # holds at once
+    watched.show(frame(10))
+    watched.show(frame(15))
+    support.reconfigured("/spectrum", min_response=0.1)
+    watched.show(frame(40))
+    watched.show(frame(45))
+    assert [round(one.vector.x) for one in shifts.wait(2)] == [5, 5]
+
+
 def test_it_is_a_nodelet_behind_the_camera(start):
     manager = support.NodeletManager(start)
     rospy.set_param("/camera/source", "synthetic")

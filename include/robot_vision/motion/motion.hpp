@@ -28,9 +28,10 @@ struct MotionParams
   {
     visit("method", &MotionParams::method, OneOf{"first_frame, previous_frame, running_average or mog2"}, "",
           "what frames are compared with");
-    visit("blur_size", &MotionParams::blur_size, OddRange{1, 99}, "px", "side of the Gaussian blur; 1: none");
+    visit("blur_size", &MotionParams::blur_size, OddRange{1, 99}, "px",
+          "side of the Gaussian blur; 1: none; not with mog2");
     visit("threshold", &MotionParams::threshold, Range{0, 255}, "gray levels",
-          "difference of the blurred images where something moves");
+          "difference of the blurred images where something moves; not with mog2");
     visit("dilate", &MotionParams::dilate, Range{0, 50}, "px", "by how much what moves is grown");
     visit("min_area", &MotionParams::min_area, Range{0, 1e9}, "px^2", "smallest thing that moves");
     visit("learning_rate", &MotionParams::learning_rate, Above{0, 1}, "",
@@ -49,7 +50,7 @@ struct Motion
   cv::Mat mask;                 // CV_8UC1, 255 where the image has changed
   double changed = 0.0;         // share of the image that has changed, 0 to 1
   bool everywhere = false;      // more than max_changed has: what moves cannot be told, there are no regions
-  std::vector<Region> regions;  // of the mask, the largest first, their outlines simplified to within 1 px
+  std::vector<Region> regions;  // of the mask, the 1000 largest at most, the largest first, with outlines within 1 px
 };
 
 /// Finds what moves by comparing each frame with a background.

@@ -9,6 +9,7 @@
 #include "code_tracks.hpp"
 #include "core/common/background_task.hpp"
 #include "core/common/search_schedule.hpp"
+#include "core/common/work_limit.hpp"
 #include "core/image/conversion_buffer.hpp"
 #include "core/image/rects.hpp"
 #include "robot_vision/common/range.hpp"
@@ -17,6 +18,8 @@ namespace robot_vision
 {
 namespace
 {
+
+constexpr double kMaxPixels = 1e8;  // of an image that is searched, enlarged; of noise some 60 ns each
 
 /// The order of codes from top to bottom.
 bool isAbove(const Code& a, const Code& b)
@@ -33,6 +36,7 @@ struct CodeReader::Impl
 
   std::vector<Code> read(const cv::Mat& image, const std::string& encoding)
   {
+    requireSearch(image.size());
     const cv::Mat gray = buffer.gray(image, encoding);
     std::vector<Code> codes = all.find(gray, fullRect(gray));
     std::sort(codes.begin(), codes.end(), isAbove);
@@ -42,6 +46,7 @@ struct CodeReader::Impl
   std::vector<Code> update(double time_s, const cv::Mat& image, const std::string& encoding)
   {
     requireFinite("time_s", time_s);
+    requireSearch(image.size());
     const cv::Mat gray = buffer.gray(image, encoding);
     begin(time_s, gray.size());
     takeFound();
@@ -53,6 +58,11 @@ struct CodeReader::Impl
     schedule.forgetOld(params.max_search_period, tracks);
     std::sort(codes.begin(), codes.end(), isAbove);
     return codes;
+  }
+
+  void requireSearch(const cv::Size& image) const
+  {
+    requireWork("enlarge is " + toText(params.enlarge), params.enlarge * params.enlarge, image, kMaxPixels);
   }
 
   /// Begins a frame, and forgets all codes if it has nothing to do with the frames before.

@@ -19,19 +19,21 @@ namespace
 constexpr double kMinWindows = 1.5;  // that an image is shrunk to, along either side: a window alone fits nobody well
 constexpr int kBlockStride = 8;      // px, of the models
 constexpr int kCell = 4;             // px, that a stride is a multiple of
+constexpr int kMaxSizes = 1000;      // more than an image has; OpenCV's 64 end at 454 px with a scale of 1.02
 constexpr double kMaxSteps = 1.2e8;  // of detectMultiScale for an image, some 40 ns each
 
 cv::HOGDescriptor makeDescriptor(const PeopleParams& params)
 {
   validate(params);
+  cv::HOGDescriptor hog;
   if (params.model == "daimler")
   {
-    cv::HOGDescriptor hog({48, 96}, {16, 16}, {8, 8}, {8, 8}, 9);  // without gamma correction, as it was trained
+    hog = cv::HOGDescriptor({48, 96}, {16, 16}, {8, 8}, {8, 8}, 9);  // without gamma correction, as it was trained
     hog.setSVMDetector(cv::HOGDescriptor::getDaimlerPeopleDetector());
-    return hog;
   }
-  cv::HOGDescriptor hog;
-  hog.setSVMDetector(cv::HOGDescriptor::getDefaultPeopleDetector());
+  else
+    hog.setSVMDetector(cv::HOGDescriptor::getDefaultPeopleDetector());
+  hog.nlevels = kMaxSizes;
   return hog;
 }
 

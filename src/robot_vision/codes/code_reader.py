@@ -34,8 +34,10 @@ class CodeReader:
                 "zbar is older than 0.23.1: what is not ASCII in a QR code may be changed"
             )
         self._repeats = Repeats()
+        self._reader_params = CodeReaderParams()
+        self._reader = Reader(self._reader_params)
         self._params = LiveParams(CodeReaderConfig, self._configure)
-        self._node = ImageNode(self._process, encoding="mono8")
+        self._node = ImageNode(self._process, encoding="mono8", idle=self._repeats.clear)
         self._codes = self._node.publisher("~codes", DetectionArray)
         self._processed = self._node.image_publisher("~processed_image")
         self._node.start()
@@ -43,7 +45,9 @@ class CodeReader:
     def _configure(self, config: Dict[str, Any]) -> None:
         params = filled(CodeReaderParams(), config)
         params.background = True
-        self._reader = Reader(params)
+        if params != self._reader_params:  # Another period of reports does not begin anew.
+            self._reader = Reader(params)
+            self._reader_params = params
         self._repeats.period = config["repeat_period"]
 
     def _process(self, frame: Frame) -> None:

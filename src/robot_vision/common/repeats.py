@@ -10,6 +10,10 @@ class Repeats:
         self.period = period
         self._reported: Dict[Hashable, float] = {}  # s, the time of the last report
 
+    def clear(self) -> None:
+        """Forgets what was reported."""
+        self._reported = {}
+
     def news(self, things: Iterable[Hashable], now: float) -> Set[Hashable]:
         """Returns the things that are news at the time `now` in s; all are if time went back."""
         self._reported = {

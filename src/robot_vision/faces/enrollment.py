@@ -12,6 +12,7 @@ from .face_images import Box, face_of, portrait
 
 PERIOD = 0.2  # s, shortest time between two portraits, so that they differ
 POLL = 0.1  # s
+MAX_ABSENCE = 0.5  # s without the face, after which it may be another one that has its id
 
 
 @dataclass(frozen=True)
@@ -26,8 +27,9 @@ class OfferedFace:
 class Enrollment:
     """Takes `count` portraits of the only face in the images that it is offered.
 
-    They are all of one face: it begins anew when one with another id is there than before. Faces
-    that are not followed have the id -1, all of them.
+    They are all of one face: it begins anew when one with another id is there than before, or when
+    there was none for MAX_ABSENCE, as one that comes to its place may get its id. Faces that are
+    not followed have the id -1, all of them.
     """
 
     def __init__(self, count: int):
@@ -35,6 +37,7 @@ class Enrollment:
         self._count = count
         self._taken = float("-inf")  # s, time of the last portrait
         self._id = -1  # of the face in the portraits
+        self._seen = float("-inf")  # s, time of the last image in which a face was seen
         self._done = threading.Event()
         self._refused: Counter[str] = collections.Counter()  # number of refused images by reason
 
@@ -48,6 +51,10 @@ class Enrollment:
         """
         if self._done.is_set() or now - self._taken < PERIOD:
             return
+        if any(not face.predicted for face in faces):
+            self._seen = now
+        if not faces and now - self._seen > MAX_ABSENCE:
+            self.begin_anew("were taken before the face was gone")
         if len(faces) != 1:
             # Nobody can tell whose face is meant, and a wrong portrait spoils a gallery.
             self._refused["showed several faces" if faces else "showed no face"] += 1
@@ -69,10 +76,10 @@ class Enrollment:
         if len(self.portraits) == self._count:
             self._done.set()
 
-    def begin_anew(self) -> None:
+    def begin_anew(self, reason: str = "showed another face") -> None:
         """Forgets the portraits, unless all are there: a face may be another one from now on."""
         if self.portraits and not self._done.is_set():
-            self._refused["showed another face"] += len(self.portraits)
+            self._refused[reason] += len(self.portraits)
             self.portraits.clear()
 
     def wait(self, seconds: float, given_up: Callable[[], Any]) -> bool:

@@ -14,7 +14,7 @@ from ..msg import Detection, DetectionArray, FaceIdentity, FaceIdentityArray
 from ..ros.configs import FaceRecognizerConfig
 from ..ros.context import current
 from ..ros.frame_pairs import FramePairs
-from ..ros.image_node import ImageNode
+from ..ros.image_node import INPUT_TIMEOUT, ImageNode
 from ..ros.live_params import LiveParams, filled
 from ..ros.messages import box_of, corners
 from ..ros.startup import run_node
@@ -45,12 +45,13 @@ class FaceRecognizer:
         self._connection: Any = None  # the connection by which the newest faces came
         self._stamp = rospy.Time()  # the stamp of the newest faces
         self._pairs = FramePairs()
+        self._faces_topic = current().resolve("faces")
         self._node = ImageNode(self._on_frame, idle=self._pairs.clear)
         self._node.subscriber("faces", DetectionArray, self._on_faces)
         self._faces = self._node.publisher("~faces", DetectionArray)
         self._whose = self._node.publisher("~identities", FaceIdentityArray)
         self._processed = self._node.image_publisher("~processed_image")
-        self._services = GalleryServices(self._learn, self._node.keep_working, self._node.missing)
+        self._services = GalleryServices(self._learn, self._node.keep_working, self._lack)
         self._params = LiveParams(FaceRecognizerConfig, self._configure)
         self._services.advertise()
         self._node.start()
@@ -72,11 +73,14 @@ class FaceRecognizer:
             self._identities.clear()
 
     def _on_frame(self, frame: Frame) -> Any:
-        missing = self._node.missing()
-        self._node.set_lack(missing)
+        missing, lack = self._node.missing(), self._lack()
+        self._node.set_lack(lack)
         if missing:
             rospy.logwarn_throttle(10.0, f"{missing}: is there a face detector?")
-            self._show_note(frame, missing)
+        elif lack:
+            rospy.logwarn_throttle(10.0, lack)
+        if lack:
+            self._show_note(frame, lack)
         faces = self._pairs.message_of(frame)
         return self._process(frame, faces) if faces else KEPT
 
@@ -84,13 +88,19 @@ class FaceRecognizer:
         frame = self._pairs.frame_of(faces)
         if frame:
             self._node.go_on(frame, lambda: self._process(frame, faces))
-        elif self._pairs.apart():
-            image, topic = current().resolve("image"), current().resolve("faces")
-            late = self._pairs.late_text(topic, image)
-            rospy.logwarn_throttle(
-                10.0,
-                late or f"no images on {image} have the stamps of {topic}: is it another camera's?",
-            )
+
+    def _lack(self, seconds: float = INPUT_TIMEOUT) -> str:
+        """Returns why no faces are recognised, in words; empty if they are. Thread-safe.
+
+        Args:
+            seconds: How long an input may be silent.
+        """
+        missing = self._node.missing(seconds)
+        if missing or not self._pairs.apart():
+            return missing
+        image, faces = self._node.topic, self._faces_topic
+        late = self._pairs.late_text(faces, image)
+        return late or f"no images on {image} have the stamps of {faces}: is it another camera's?"
 
     def _process(self, frame: Frame, faces: DetectionArray) -> None:
         """Recognises the faces in a frame; raises FrameError if they do not fit it."""
