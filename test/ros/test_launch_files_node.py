@@ -481,6 +481,58 @@ def test_a_robot_drives_only_when_it_is_asked_to(name, words, topic):
     assert dict(follower.remap_args)["cmd_vel"] == topic
 
 
+@pytest.mark.parametrize(
+    "name, words, topics",
+    [
+        (
+            "light",
+            {"nodes": "line_follower,ball_tracker,apriltag", "cmd_vel": "cmd_vel"},
+            {
+                "line_follower": {"image": "/b/usb_cam/image_raw", "cmd_vel": "/b/cmd_vel"},
+                "ball_tracker": {"image": "/b/usb_cam/image_raw"},
+                "apriltag_detector": {"image": "/b/usb_cam/image_raw"},
+            },
+        ),
+        (
+            "remote",
+            {"part": "processing"},
+            {
+                "remote_camera": {"out": "/b/remote_camera/image_raw"},
+                "edge_detector": {"image": "/b/remote_camera/image_raw"},
+            },
+        ),
+    ],
+)
+def test_a_robot_s_nodes_have_the_images_of_its_own_camera(tmp_path, name, words, topics):
+    """Where several robots share a master, each has a namespace."""
+    arguments = "".join(f'<arg name="{word}" value="{value}"/>' for word, value in words.items())
+    path = tmp_path / "robot.launch"
+    path.write_text(
+        f'<launch><group ns="b"><include file="{LAUNCH}/{name}.launch">{arguments}</include>'
+        "</group></launch>"
+    )
+    nodes = {node.name: node for node in loaded(path).nodes}
+    for node, expected in topics.items():
+        names = resolved(nodes[node])
+        assert {of: names[of] for of in expected} == expected
+    assert all(node.namespace == "/b/" for node in nodes.values())
+
+
+@pytest.mark.parametrize("name", ["rectify", "calibrate", "cameracheck"])
+def test_an_image_in_no_namespace_that_can_be_told_is_refused(name):
+    with pytest.raises(roslaunch.RLException, match="image with its namespace, as /image_raw or"):
+        loaded(f"{name}.launch", "image:=image_raw")
+
+
+@pytest.mark.parametrize("name", ["rgbd", "freenect", "demo", "depth_registration"])
+def test_parameters_of_depth_registration_can_be_saved(name):
+    words = {"demo": ["depth:=true"]}.get(name, [])
+    params = loaded(f"{name}.launch", *words).params
+    (key,) = (one for one in params if one.endswith("/depth_registration/config_file"))
+    assert params[key].value == str(LAUNCH.parent / "config" / "depth_registration.yaml")
+    assert key.replace("config_file", "max_jump") in params
+
+
 def test_a_node_that_light_launch_has_not_is_an_error():
     # It runs in its own process, because it reads the process's command line.
     command = ["roslaunch", "--nodes", LAUNCH / "light.launch", "nodes:=hsv_tracker,huogh"]
