@@ -11,6 +11,15 @@ TEST(YamlText, getsAMissingMap)
             "loop: true\ncontrols:\n  gain: 5\n  gamma: 1\n");
 }
 
+TEST(YamlText, findsTheEntriesOfAMapBehindBlankLinesAndComments)
+{
+  for (const std::string begin : {"controls:\n\n", "controls:\n# of my lamp\n", "controls:\n     # of my lamp\n"})
+  {
+    const YamlValues values{{"gain", "5"}, {"gamma", "2"}};
+    EXPECT_EQ(editYamlMap(begin + "  gain: 3\n", "controls", values), begin + "  gain: 5\n  gamma: 2\n");
+  }
+}
+
 TEST(YamlText, keepsTheRestOfAMap)
 {
   const std::string before =

@@ -95,6 +95,17 @@ std::size_t blockEnd(const std::vector<Line>& lines, std::size_t begin)
   return end;
 }
 
+/// The column of the entries of a map, whose header is in line `header`, and which ends before `end`.
+std::size_t indentOfEntries(const std::vector<Line>& lines, std::size_t header, std::size_t end)
+{
+  for (std::size_t i = header + 1; i < end; ++i)
+  {
+    const std::size_t indent = indentOf(lines[i].text);
+    if (indent < lines[i].text.size() && lines[i].text[indent] != '#') return indent;
+  }
+  return 2;
+}
+
 /// A value as text. Quoted values stay quoted, because without quotes they could have another type.
 std::string dump(const YAML::Node& value)
 {
@@ -137,7 +148,7 @@ std::string editYamlMap(const std::string& text, const std::string& map, const Y
   if (blockEnd(lines, header) == header + 1) unfold(lines, header, map);
 
   const std::size_t end = blockEnd(lines, header);
-  const std::size_t indent = end > header + 1 ? indentOf(lines[header + 1].text) : 2;
+  const std::size_t indent = indentOfEntries(lines, header, end);
   std::vector<Line> more;
   for (const auto& [name, value] : values)
   {
