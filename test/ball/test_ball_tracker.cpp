@@ -138,6 +138,22 @@ TEST(BallTracker, losesTheBallAfterMaxPrediction)
   EXPECT_EQ(elsewhere->velocity, cv::Point2d(0, 0));
 }
 
+TEST(BallTracker, followsABallThatIsSeenInEachFrameHoweverRareTheyAre)
+{
+  BallTrackerParams params;
+  params.max_prediction = 0.0;
+  BallTracker tracker(params);
+  std::optional<BallState> state;
+  for (int i = 0; i < 20; ++i)
+    state = tracker.update(0.5 * i, straight(0.5 * i));
+  ASSERT_TRUE(state);
+  EXPECT_NEAR(state->velocity.x, (straight(1.0).center - straight(0.0).center).x, 1.0);
+  EXPECT_FALSE(BallTracker(tracker).update(10.0, std::nullopt));
+  const BallMeasurement elsewhere{{600, 20}, 9.0};
+  EXPECT_FALSE(BallTracker(tracker).update(10.0, elsewhere)->center == elsewhere.center);  // it is outside of the gate
+  EXPECT_EQ(tracker.update(12.0, elsewhere)->center, elsewhere.center);
+}
+
 TEST(BallTracker, ignoresMeasurementsOutsideOfTheGate)
 {
   BallTracker tracker = settled(), blind = settled();

@@ -170,7 +170,13 @@ TEST(Line, isNotFoundBelowMinArea)
 
 TEST(Line, hasLittleConfidenceInWhiteMasksAndBentRegions)
 {
-  EXPECT_EQ(findLine(cv::Mat(kStrip, CV_8UC1, cv::Scalar(255))).confidence, 0.0);
+  for (const cv::Point& border : {cv::Point(0, 0), cv::Point(1, 0), cv::Point(0, 1), cv::Point(8, 3)})  // as of a lens
+  {
+    cv::Mat floor = cv::Mat::zeros(kStrip, CV_8UC1);
+    const cv::Rect inner(border.x, border.y, kStrip.width - 2 * border.x, kStrip.height - 2 * border.y);
+    floor(inner) = 255;
+    EXPECT_EQ(findLine(floor).confidence, 0.0) << border;
+  }
 
   const cv::Mat straight = band(kMiddle, 0.0, 12.0);
   cv::Mat zigzag = cv::Mat::zeros(kStrip, CV_8UC1);

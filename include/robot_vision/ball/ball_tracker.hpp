@@ -29,7 +29,7 @@ struct BallTrackerParams
     visit("initial_speed", &BallTrackerParams::initial_speed, Range{0, 1e6}, "px/s",
           "standard deviation of the velocity that a new ball may have");
     visit("max_prediction", &BallTrackerParams::max_prediction, Range{0, 60}, "s",
-          "longest time that the ball may be hidden until it is lost; longer than a frame");
+          "longest time that the ball may be hidden until it is lost; 0: it is lost at once");
     visit("gate", &BallTrackerParams::gate, Range{1, 100}, "",
           "standard deviations from where the ball is expected to what is no longer it");
   }
@@ -62,8 +62,9 @@ public:
   /// Updates the track with the measurement of the frame at `time_s` (s, of any clock), or with none. A measurement
   /// outside of the gate counts as none. Returns the state of the ball, which is predicted if there is no measurement.
   /// After max_prediction seconds without one the ball is lost: nothing is returned, and the next measurement begins a
-  /// new ball. A time that goes backwards makes the tracker forget the ball. Throws std::invalid_argument for numbers
-  /// that are not finite, and for a negative radius.
+  /// new ball. So does one that is more than max_prediction, and more than 2 s, later than the frame before. A time
+  /// that goes backwards makes the tracker forget the ball. Throws std::invalid_argument for numbers that are not
+  /// finite, and for a negative radius.
   std::optional<BallState> update(double time_s, const std::optional<BallMeasurement>& measured);
 
   /// The state that update(time_s) without a measurement would return.
@@ -73,11 +74,13 @@ private:
   void start(double time_s, const BallMeasurement& measured);
   void advance(double time_s);
   bool correct(const BallMeasurement& measured);
+  double longestGap(bool is_seen) const;
 
   BallTrackerParams params_;
   bool tracking_ = false;
   double time_ = 0.0;      // s, time of the state
   double measured_ = 0.0;  // s, time of the last measurement
+  bool hidden_ = false;    // since then
   cv::Vec4d state_;        // x, y and their rates
   cv::Matx44d covariance_;
   double radius_ = 0.0;

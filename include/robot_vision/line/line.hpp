@@ -45,8 +45,8 @@ struct Line
 ///
 /// The confidence is the product of four factors: the region's share of the mask's white pixels; the share of its rows
 /// (or columns) with both ends in view; area / (area + min_area); and 1 / (1 + (residual / width)^2), where the
-/// residual is the root mean square of the fit and the width the mean length of the rows. It is 0 for a mask that is
-/// white everywhere.
+/// residual is the root mean square of the fit and the width the mean length of the rows. It is 0 for a region that
+/// fills more than three quarters of the mask, which is the floor.
 ///
 /// Throws std::invalid_argument as validate() does, or if `mask` is empty or of another type.
 Line findLine(const cv::Mat& mask, const LineParams& params = LineParams(), const Line& previous = Line());

@@ -45,12 +45,14 @@ public:
   /// Throws std::invalid_argument as validate() does.
   explicit RegionFinder(const RegionParams& params = RegionParams());
 
-  /// Finds the regions of `mask` (CV_8UC1, 0 and 255), the largest first. The mask is cleaned in place: opened, then
-  /// closed. Throws std::invalid_argument if `mask` is empty or of another type.
+  /// Finds the regions of `mask` (CV_8UC1, 0 and 255), the largest first; of more than kMaxRegions these. The mask is
+  /// cleaned in place: opened, then closed. Throws std::invalid_argument if `mask` is empty or of another type.
   std::vector<Region> apply(cv::Mat& mask) const;
 
   /// The same for a mask that is known to be black outside of `part`; the rest is not looked at.
   std::vector<Region> apply(cv::Mat& mask, const cv::Rect& part) const;
+
+  static constexpr std::size_t kMaxRegions = 1000;
 
 private:
   /// Opens and closes the mask, and returns the part outside of which it is black now.

@@ -1,5 +1,6 @@
 #include "robot_vision/ball/ball_tracker.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "robot_vision/common/range.hpp"
@@ -8,6 +9,8 @@ namespace robot_vision
 {
 namespace
 {
+
+constexpr double kMaxFrameGap = 2.0;  // s, between two frames of one motion
 
 double square(double value)
 {
@@ -30,7 +33,7 @@ std::optional<BallState> BallTracker::update(double time_s, const std::optional<
     requireFinite("center.y", measured->center.y);
     require(measured->radius >= 0.0 && std::isfinite(measured->radius), "radius", measured->radius, "at least 0 (px)");
   }
-  if (time_s < time_ || time_s - measured_ > params_.max_prediction) tracking_ = false;
+  if (time_s < time_ || time_s - measured_ > longestGap(measured.has_value())) tracking_ = false;
   if (!tracking_ && !measured) return std::nullopt;
 
   bool found = true;
@@ -42,12 +45,20 @@ std::optional<BallState> BallTracker::update(double time_s, const std::optional<
     found = measured && correct(*measured);
   }
   if (found) measured_ = time_s;
+  hidden_ = !found;
   return BallState{{state_[0], state_[1]}, {state_[2], state_[3]}, radius_, !found, covariance_};
 }
 
 std::optional<BallState> BallTracker::predict(double time_s) const
 {
   return BallTracker(*this).update(time_s, std::nullopt);
+}
+
+/// The time since the last measurement after which the ball is lost. One that was seen in the frame before is not, just
+/// because frames are rare.
+double BallTracker::longestGap(bool is_seen) const
+{
+  return is_seen && !hidden_ ? std::max(params_.max_prediction, kMaxFrameGap) : params_.max_prediction;
 }
 
 void BallTracker::start(double time_s, const BallMeasurement& measured)

@@ -57,6 +57,8 @@ int chooseLine(const Regions& regions, int width, double min_area, const Line& p
   return best;
 }
 
+constexpr double kMaxShare = 0.75;  // of the mask that a line fills
+
 /// A straight line through the middles of a region's rows.
 struct Fit
 {
@@ -139,7 +141,8 @@ Line findLine(const cv::Mat& mask, const LineParams& params, const Line& previou
   const double bend = fit.residual / fit.width;
   const double white = regions.areaOfAll();
   const double large = line.area / (line.area + params.min_area), straight = 1.0 / (1.0 + bend * bend);
-  line.confidence = line.area / white * fit.in_view * large * straight;
+  const bool is_floor = line.area > kMaxShare * static_cast<double>(mask.total());
+  line.confidence = is_floor ? 0.0 : line.area / white * fit.in_view * large * straight;
 
   std::vector<std::vector<cv::Point>> outlines;
   cv::findContours(region, outlines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_SIMPLE, box.tl());

@@ -13,7 +13,6 @@ namespace robot_vision
 namespace
 {
 
-constexpr std::size_t kMaxRegions = 1000;
 constexpr double kOutlineError = 1.0;  // px; the blur has moved the outline by more than that
 
 RegionFinder finderOf(const MotionParams& params)
@@ -79,7 +78,6 @@ struct MotionDetector::Impl
   std::vector<Region> findRegions(const cv::Rect& part)
   {
     std::vector<Region> regions = finder.apply(mask, part);
-    if (regions.size() > kMaxRegions) regions.resize(kMaxRegions);
     for (Region& region : regions)
       cv::approxPolyDP(region.outline, region.outline, kOutlineError, true);
     return regions;

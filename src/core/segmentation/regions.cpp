@@ -94,21 +94,27 @@ std::vector<Region> RegionFinder::apply(cv::Mat& mask, const cv::Rect& part) con
   std::vector<cv::Vec4i> hierarchy;  // of each border: the next one, the previous, the first hole, the parent
   cv::findContours(mask(white), borders, hierarchy, cv::RETR_CCOMP, cv::CHAIN_APPROX_SIMPLE, white.tl());
 
-  std::vector<Region> regions;
+  std::vector<std::pair<const Sums*, int>> found;  // with the number of the outer border
   for (int outer = 0; outer >= 0; outer = hierarchy[outer][0])
   {
     const Sums& sums = all_sums[runAt(runs, borders[outer][0]).first];
-    const auto area = static_cast<double>(sums.count);
-    if (area < params_.min_area) continue;
+    if (static_cast<double>(sums.count) >= params_.min_area) found.emplace_back(&sums, outer);
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.first->count > b.first->count; });
+  if (found.size() > kMaxRegions) found.resize(kMaxRegions);
+
+  std::vector<Region> regions;
+  for (const auto& [sums, outer] : found)
+  {
     Region region;
-    region.area = area;
-    region.center = {sums.x / area, sums.y / area};
+    region.area = static_cast<double>(sums->count);
+    region.center = {sums->x / region.area, sums->y / region.area};
     region.outline = std::move(borders[outer]);
     region.box = cv::boundingRect(region.outline);
     addCircle(region);
     regions.push_back(std::move(region));
   }
-  std::stable_sort(regions.begin(), regions.end(), [](const Region& a, const Region& b) { return a.area > b.area; });
   return regions;
 }
 
