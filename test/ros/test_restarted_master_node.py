@@ -1,8 +1,11 @@
 """When a master dies and comes back empty, nodes and nodelets register again."""
 
+import pathlib
+import sys
 import time
 
 import pytest
+import rosgraph
 import rospy
 import support
 from std_srvs.srv import Trigger
@@ -80,6 +83,22 @@ def test_nodes_register_again(start, run_script, tmp_path, node, key, nodelets):
         assert process.exit_code() == 0, process.output()
         cut_off |= time.monotonic() - begin > 0.6
     assert cut_off or services_of(master.api) == {}
+
+
+@pytest.mark.parametrize("node", ["edge_detector_node", "hsv_tracker.py"])
+def test_a_master_with_the_process_id_of_the_old_one_is_another_one(start, node):
+    """It knows the node already, by a parameter that the node's log asks for."""
+    command = [sys.executable, str(pathlib.Path(support.__file__).with_name("numbered_master.py"))]
+    master = support.Master(start, command)
+    first = start(node, "__name:=name", "_misspelt:=1", env=master.env)
+    wait_until_started(first, master.api, "/name/save_parameters")
+    services, node_address = services_of(master.api), master.api.lookupNode("/name")
+    with support.standing_still(first):
+        master.end()
+        master.begin()
+        rosgraph.Master("/name", master.env["ROS_MASTER_URI"]).subscribeParam(node_address, "/any")
+        assert master.api.lookupNode("/name") == node_address
+    support.wait_for(lambda: services_of(master.api) == services, "all services")
 
 
 @pytest.mark.parametrize("node", ["edge_detector_node", "hsv_tracker.py"])

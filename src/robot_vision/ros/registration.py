@@ -68,8 +68,10 @@ class _Registration:
     def _check(self) -> None:
         master = rosgraph.Master(self._name)
         pid = master.getPid()
-        # A new master may know the node already by a topic that was registered since its start.
-        forgotten = self._master_pid is not None and pid != self._master_pid
+        # A new master may know the node already, by a topic that was registered since its start,
+        # and have the process id of the old one, as in a container.
+        is_same = pid == self._master_pid and self._knows_first_service(master)
+        forgotten = self._master_pid is not None and not is_same
         try:
             address = master.lookupNode(self._name)
         except rosgraph.MasterError:
@@ -87,6 +89,14 @@ class _Registration:
         elif not self.ended.is_set():
             self._register(master)
         self._master_pid = pid
+
+    def _knows_first_service(self, master: rosgraph.Master) -> bool:
+        """Returns whether the master knows what rospy registers once, when the node starts."""
+        try:
+            master.lookupService(f"{self._name}/get_loggers")
+        except rosgraph.MasterError:
+            return False
+        return True
 
     def _present(self) -> Dict[str, Dict[str, Any]]:
         names = (self._name, *loaded_names())

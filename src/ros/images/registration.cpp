@@ -106,7 +106,8 @@ try
   // A new master may know the process already, by a topic that was registered with it meanwhile.
   const bool replaced = master_pid_ != 0 && master_pid_ != static_cast<int>(*pid);
   const bool taken = namesAreTaken();
-  const bool known = !replaced && complete_ && askMaster("lookupNode", {ros::this_node::getName()});
+  // One in a container may have the process id of the one before: this service is registered once, by ros::start().
+  const bool known = !replaced && complete_ && askMaster("lookupService", {ros::this_node::getName() + "/get_loggers"});
   if (ros::isShuttingDown()) return;  // then calls are not answered, not even by this process
   if (taken)
   {
