@@ -11,7 +11,12 @@ from robot_vision.recognition.capture_mask import (
     sharpness,
     touches_border,
 )
-from robot_vision.recognition.capture_views import View, ViewCollection, azimuth_of
+from robot_vision.recognition.capture_views import (
+    View,
+    ViewCollection,
+    azimuth_of,
+    elevation_of,
+)
 
 CAMERA = CameraModel(160, 120, [150.0, 0.0, 80.0, 0.0, 150.0, 60.0, 0.0, 0.0, 1.0])
 PLATE = np.diag([1.0, -1.0, -1.0, 1.0])  # seen from right above
@@ -19,16 +24,27 @@ PLATE[2, 3] = 1.0
 SPACE = Space(0.1, 0.01, 0.3)
 
 
-def view(degrees, time=0.0, sharp=1.0, number=0):
+def view(degrees, time=0.0, sharp=1.0, height=0.5):
+    """What a camera sees that is 1 m away from the object's z axis."""
     angle = np.radians(degrees)
     pose = np.eye(4)
-    pose[:3, 3] = -np.cos(angle), -np.sin(angle), 0.5
-    return View(time, number, None, None, None, None, pose, sharp)
+    pose[:3, 3] = -np.cos(angle), -np.sin(angle), -height
+    return View(time, 0, None, None, None, None, pose, sharp)
+
+
+def take(collection, one):
+    """Offers a view after which nothing comes for a while, and keeps it if it is to be stored."""
+    collection.add(one)
+    done = collection.end()
+    if done is not None:
+        collection.keep(done)
+    return done
 
 
 def test_the_azimuth_is_where_the_camera_is():
     for degrees in (0, 90, 200, 355):
         assert np.degrees(azimuth_of(view(degrees).pose)) == pytest.approx(degrees)
+        assert elevation_of(view(degrees).pose) == pytest.approx(np.arctan(0.5))
 
 
 def test_the_sharpest_view_of_each_direction_is_kept():
@@ -37,8 +53,10 @@ def test_the_sharpest_view_of_each_direction_is_kept():
     assert collection.add(view(10, 0.2, 3.0)) is None
     assert collection.add(view(-20, 0.4, 2.0)) is None
     stored = collection.add(view(90, 0.6))
-    assert stored.sharpness == 3.0 and collection.kept == 1
-    assert collection.add(view(2, 0.8, 9.0)).pose is not None  # that of 90 degrees
+    assert stored.sharpness == 3.0 and collection.kept == 0
+    collection.keep(stored)
+    assert collection.kept == 1
+    collection.keep(collection.add(view(2, 0.8, 9.0)))  # that of 90 degrees
     assert collection.kept == 2  # The direction 0 has one already.
     assert collection.end() is None
     assert not collection.full
@@ -62,13 +80,21 @@ def test_what_is_missing_is_told_as_directions():
     collection = ViewCollection(8)
     assert collection.summary() == "0 of 8 views, missing at 0-360 degrees"
     for degrees in (45, 90, 225):
-        collection.add(view(degrees))
-        collection.end()
+        take(collection, view(degrees))
     assert collection.summary() == "3 of 8 views, missing at 135-180, 270-0 degrees"
     for degrees in (0, 135, 180, 270, 315):
-        collection.add(view(degrees))
-        collection.end()
+        take(collection, view(degrees))
     assert collection.full and collection.summary() == "8 of 8 views"
+
+
+def test_earlier_views_from_the_same_height_count():
+    earlier = [view(degrees).pose for degrees in (45, 90, 225)]
+    same, higher = ViewCollection(8, earlier), ViewCollection(8, earlier)
+    assert take(same, view(93, height=0.55)) is None
+    assert take(same, view(180, height=0.45)) is not None
+    assert same.summary() == "4 of 8 views, missing at 135, 270-0 degrees"
+    assert take(higher, view(93, height=0.8)) is not None
+    assert higher.summary() == "1 of 8 views, missing at 135-45 degrees"
 
 
 def depth_with(*blocks):

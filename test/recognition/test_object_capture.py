@@ -293,32 +293,67 @@ def test_a_trial_stores_nothing(run, path, folder, plate):
     assert observations_in(path) == [] and mesh_in(path) is None
 
 
-def test_what_is_there_is_only_replaced_or_added_to_if_that_is_said(run, path, folder, plate):
+def test_what_is_there_is_only_replaced_or_added_to_if_that_is_said(
+    run, path, folder, plate, table, tmp_path
+):
     words = ("thing", plate, "--folder", folder, "--views", 4, "--commit", "--no-mesh")
+    higher = turntable.write_frames(tmp_path / "higher", table.turn(4, elevation=0.85))
     assert run(object_capture, *words)[0] == 0
     first = {one.session_id for one in observations_in(path)}
     code, _, err = run(object_capture, *words)
     assert code == 1 and "has 4 observations already: --replace replaces them, --add" in err
-    assert run(object_capture, *words, "--add")[0] == 0
+    assert run(object_capture, *words, "--folder", higher, "--add")[0] == 0
     assert len(observations_in(path)) == 8
     assert run(object_capture, *words, "--replace")[0] == 0
     assert len(observations_in(path)) == 4
     assert not first.intersection(one.session_id for one in observations_in(path))
 
 
-def test_after_ctrl_c_what_was_taken_is_there(run, path, folder, plate, monkeypatch):
-    def interrupted(arguments):
+def interrupt(monkeypatch, count):
+    """Has the next runs see this many frames, and then Ctrl-C."""
+
+    def shots(arguments):
         for number, shot in enumerate(object_capture.shots_from_folder(arguments.folder)):
-            if number == 5:
+            if number == count:
                 raise KeyboardInterrupt
             yield shot
 
-    monkeypatch.setattr(object_capture, "_shots", interrupted)
-    words = ("thing", plate, "--folder", folder, "--views", VIEWS, "--commit")
-    code, out, _ = run(object_capture, *words)
+    monkeypatch.setattr(object_capture, "_shots", shots)
+
+
+LEARN = ". What is there can be learned as it is; --add takes the rest"
+
+
+def test_after_ctrl_c_what_was_taken_is_there_and_add_takes_the_rest(
+    run, path, folder, plate, monkeypatch
+):
+    words = ("thing", plate, "--folder", folder, "--views", VIEWS, "--commit", "--no-mesh")
+    with monkeypatch.context() as now:
+        interrupt(now, 5)
+        code, out, _ = run(object_capture, *words)
     assert code == 130 and f"interrupted; 5 of {VIEWS} views, missing at" in out
+    assert f" degrees, stored{LEARN}" in out
     assert len(observations_in(path)) == 5
     assert all(seen_by(one).mask.any() for one in observations_in(path))
+    code, out, err = run(object_capture, *words, "--add")
+    assert (code, err) == (0, "") and f"{VIEWS} of {VIEWS} views, stored" in out
+    assert [one.frame_number for one in observations_in(path)] == [*range(1, VIEWS + 1)]
+
+
+@pytest.mark.parametrize(
+    "words, count, said",
+    [
+        ((), 2, f"interrupted; 2 of {VIEWS} views, missing at 0-283 degrees, would be stored\n"),
+        (("--commit",), 0, f"interrupted; 0 of {VIEWS} views, missing at 0-360 degrees\n"),
+    ],
+)
+def test_after_ctrl_c_nothing_that_is_not_there_is_told(
+    run, path, folder, plate, monkeypatch, words, count, said
+):
+    interrupt(monkeypatch, count)
+    code, out, _ = run(object_capture, "thing", plate, "--folder", folder, "--views", VIEWS, *words)
+    assert code == 130 and out.endswith(said)
+    assert observations_in(path) == []
 
 
 @pytest.mark.parametrize(
@@ -340,9 +375,11 @@ def test_why_the_first_view_was_not_stored_is_told(
 
     monkeypatch.setattr(Observations, "add", failing)
     words = ("thing", plate, "--folder", folder, "--views", VIEWS, "--commit", "--no-mesh")
-    found, _, err = run(object_capture, *words)
+    found, out, err = run(object_capture, *words)
     assert (found, err) == (code, said)
-    assert len(observations_in(path)) == (1 if code == 130 else 0)
+    stored = 1 if code == 130 else 0
+    assert len(observations_in(path)) == stored
+    assert (f"interrupted; 1 of {VIEWS} views" in out) == (code == 130)
 
 
 def test_a_folder_whose_name_is_no_utf_8(run, path, plate, frames, tmp_path):

@@ -49,7 +49,8 @@ def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
     more.add_argument(
         "--add",
         action="store_true",
-        help="add them to those that there are, of the object in the same place on the plate",
+        help="add what is missing from this height of the camera to those that there are, of the "
+        "object in the same place on the plate",
     )
     more.add_argument("--replace", action="store_true", help="replace those that there are")
     parser.add_argument("--no-mesh", action="store_true", help="make no mesh in the end")

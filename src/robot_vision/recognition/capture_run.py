@@ -33,7 +33,7 @@ class CaptureRun:
         plate: The plate.
         space: Where the object is above it.
         cameras: The cameras that the images may have, by their size; the first one tells which.
-        views: From how many directions.
+        views: Those that there are, which tell what is missing.
         replace: Whether earlier sessions are deleted when the first view is stored.
         progress: What tells how far it is.
     """
@@ -45,7 +45,7 @@ class CaptureRun:
         plate: Plate,
         space: Space,
         cameras: Dict[Tuple[int, int], CameraModel],
-        views: int,
+        views: ViewCollection,
         replace: bool,
         progress: Progress,
     ) -> None:
@@ -55,7 +55,7 @@ class CaptureRun:
         self._space = space
         self._cameras = cameras
         self._rays = PixelRays()
-        self._views = ViewCollection(views)
+        self._views = views
         self._replace = replace
         self._progress = progress
         self._frames = 0
@@ -84,15 +84,19 @@ class CaptureRun:
 
     def result(self) -> str:
         """What there is in the end, for the user."""
-        stored = "stored" if self._database is not None else "would be stored"
-        text = f"{self._views.summary()}, {stored}"
+        text = self._views.summary()
+        if self._views.kept:
+            text += ", stored" if self._database is not None else ", would be stored"
         return text if self._views.full else text + self._worst()
 
     def interrupted(self) -> str:
         """What there is after Ctrl-C, for the user."""
+        text = f"interrupted; {self.result()}"
+        if self._database is None or not self._views.kept:
+            return text
         return (
-            f"interrupted; {self.result()}. What is there can be learned as it is; --add takes the "
-            "rest if the object stays where it is"
+            f"{text}. What is there can be learned as it is; --add takes the rest if the object "
+            "stays where it is"
         )
 
     def _view(self, shot: Shot) -> Optional[View]:
@@ -133,10 +137,15 @@ class CaptureRun:
         return image, depth
 
     def _store(self, view: Optional[View]) -> None:
-        if view is None or self._database is None:
+        if view is None:
             return
-        observations, session = self._database.observations, self._session
-        with self._database.transaction():
+        if self._database is not None:
+            self._write(view, self._database)
+        self._views.keep(view)
+
+    def _write(self, view: View, database: Database) -> None:
+        observations, session = database.observations, self._session
+        with database.transaction():
             if not session.id:
                 if self._replace:
                     for one in observations.sessions(session.object_id):

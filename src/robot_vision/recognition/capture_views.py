@@ -1,11 +1,12 @@
 """Which views of an object on a turntable are kept: one from each direction, the sharpest."""
 
 import math
-from typing import List, NamedTuple, Optional
+from typing import List, NamedTuple, Optional, Sequence
 
 import numpy as np
 
 MAX_WAIT = 1.0  # s, that a view waits for a sharper one from the same direction
+SAME_ELEVATION = math.radians(5.0)  # within which views are from the same height of the camera
 
 
 class View(NamedTuple):
@@ -34,8 +35,18 @@ class View(NamedTuple):
 
 def azimuth_of(pose: np.ndarray) -> float:
     """Returns the direction from which a camera sees an object, rad about its z axis."""
-    place = -pose[:3, :3].T @ pose[:3, 3]
-    return math.atan2(place[1], place[0]) % (2.0 * math.pi)
+    x, y, _ = _place_of_camera(pose)
+    return math.atan2(y, x) % (2.0 * math.pi)
+
+
+def elevation_of(pose: np.ndarray) -> float:
+    """Returns how far above an object's x-y plane a camera is that sees it, rad."""
+    x, y, z = _place_of_camera(pose)
+    return math.atan2(z, math.hypot(x, y))
+
+
+def _place_of_camera(pose: np.ndarray) -> np.ndarray:
+    return -pose[:3, :3].T @ pose[:3, 3]
 
 
 class ViewCollection:
@@ -46,10 +57,13 @@ class ViewCollection:
 
     Args:
         count: How many directions there are.
+        earlier: Poses of views that were kept before. They count as soon as the camera is seen to
+            be at the height that they were taken from; from another height, all are wanted.
     """
 
-    def __init__(self, count: int) -> None:
+    def __init__(self, count: int, earlier: Sequence[np.ndarray] = ()) -> None:
         self._kept = [False] * count
+        self._earlier = earlier
         self._best: Optional[View] = None
         self._begin = 0.0  # s, when the first view of this direction came
 
@@ -65,13 +79,15 @@ class ViewCollection:
 
     def add(self, view: View) -> Optional[View]:
         """Offers a view, and returns one that is to be stored now, or None."""
+        self._count_earlier(elevation_of(view.pose))
+        here = self._direction(view.pose)
         done = None
         before = self._best
         if before is not None:
-            has_left = self._direction(view) != self._direction(before)
+            has_left = here != self._direction(before.pose)
             if has_left or not 0.0 <= view.time - self._begin < MAX_WAIT:
                 done = self.end()
-        if self._kept[self._direction(view)]:
+        if self._kept[here] or (done is not None and self._direction(done.pose) == here):
             return done
         if self._best is None:
             self._begin = view.time
@@ -82,9 +98,11 @@ class ViewCollection:
     def end(self) -> Optional[View]:
         """Returns the view that was waiting for a sharper one, to be stored now, or None."""
         done, self._best = self._best, None
-        if done is not None:
-            self._kept[self._direction(done)] = True
         return done
+
+    def keep(self, view: View) -> None:
+        """Counts a view that was to be stored, and is."""
+        self._kept[self._direction(view.pose)] = True
 
     def summary(self) -> str:
         """Returns how many views are kept, and from where there is none yet."""
@@ -93,9 +111,14 @@ class ViewCollection:
         missing = self._missing()
         return f"{text}, missing at {', '.join(missing)} degrees" if missing else text
 
-    def _direction(self, view: View) -> int:
+    def _count_earlier(self, elevation: float) -> None:
+        for pose in self._earlier:
+            if abs(elevation_of(pose) - elevation) < SAME_ELEVATION:
+                self._kept[self._direction(pose)] = True
+
+    def _direction(self, pose: np.ndarray) -> int:
         count = len(self._kept)
-        return int(azimuth_of(view.pose) / (2.0 * math.pi) * count + 0.5) % count
+        return int(azimuth_of(pose) / (2.0 * math.pi) * count + 0.5) % count
 
     def _missing(self) -> List[str]:
         """Returns the gaps, in degrees: single directions, and from the first to the last."""

@@ -21,6 +21,7 @@ from .capture_sources import (
     shots_from_folder,
     shots_from_topics,
 )
+from .capture_views import ViewCollection
 from .captured_mesh import make_mesh, wants_mesh
 from .database import Database, Object, Session
 from .database_arguments import COMMIT, open_database
@@ -86,9 +87,9 @@ def _run(
     space = Space(plate.radius, arguments.floor, arguments.height)
     store: Optional[Database] = database if arguments.commit else None
     session = Session(one.id, arguments.folder or arguments.bag or arguments.image)
-    return CaptureRun(
-        store, session, plate, space, cameras, arguments.views, arguments.replace, Progress()
-    )
+    earlier = [pose for _, pose in database.observations.poses(one.id)] if arguments.add else []
+    views = ViewCollection(arguments.views, earlier)
+    return CaptureRun(store, session, plate, space, cameras, views, arguments.replace, Progress())
 
 
 def _shots(arguments: argparse.Namespace) -> Iterator[Shot]:
