@@ -35,6 +35,14 @@ def test_what_was_written_is_read(tmp_path, name, suffix):
         assert sorted(map(tuple, loaded.mesh.colors)) == sorted(map(tuple, mesh.colors))
 
 
+@pytest.mark.parametrize("stem", ["-s 1 box", " box"])
+def test_textures_of_obj_files_may_have_any_name(tmp_path, stem):
+    path = str(tmp_path / f"{stem}.obj")
+    write_mesh(path, rv.sample_mesh("box").mesh)
+    loaded = read_mesh(path)
+    assert len(loaded.mesh.textures) == 6 and loaded.warnings == []
+
+
 def test_textures_of_obj_files_come_along(tmp_path):
     mesh = rv.sample_mesh("box").mesh
     write_mesh(str(tmp_path / "box.obj"), mesh)

@@ -133,5 +133,6 @@ def _materials(mesh: Mesh, stem: str) -> bytes:
     red, green, blue = (value / 255.0 for value in reversed(mesh.color))
     lines = ["newmtl plain", f"Kd {red:.4f} {green:.4f} {blue:.4f}"]
     for index in range(len(mesh.textures)):
-        lines += [f"newmtl texture_{index}", "Kd 1 1 1", f"map_Kd {stem}_{index}.png"]
+        # Without ./ a name that begins as an option of map_Kd, or with a blank, would be no name.
+        lines += [f"newmtl texture_{index}", "Kd 1 1 1", f"map_Kd ./{stem}_{index}.png"]
     return ("\n".join(lines) + "\n").encode()
