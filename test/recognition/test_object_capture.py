@@ -13,7 +13,7 @@ from frames import message
 from sensor_msgs.msg import CameraInfo
 from textured_boxes import box, pose_error
 
-from robot_vision import CameraModel, TextureMatcher, TextureModel
+from robot_vision import Bundle, BundleTag, CameraModel, TextureMatcher, TextureModel
 from robot_vision.meshes import Mesh, mesh_extent, write_mesh
 from robot_vision.recognition import capture_run, captured_mesh, mesh_add, object_capture, training
 from robot_vision.recognition.capture_plate import plate_of, read_plate_bundle
@@ -23,6 +23,7 @@ from robot_vision.recognition.known_objects import load_objects
 from robot_vision.recognition.mesh_data import unpack_mesh
 from robot_vision.recognition.observed_views import seen_by
 from robot_vision.recognition.recognizer import RecognitionParams, Recognizer
+from robot_vision.tags.bundle_files import write_bundles
 
 VIEWS = 14
 SIZE = np.array([0.10, 0.08, 0.12])  # m, of the object
@@ -486,6 +487,11 @@ def test_frames_that_cannot_be_used_are_left_out(run, path, plate, frames, tmp_p
         (("thing", "{plate}", "--folder", "{folder}", "--center", "0", "nan"), 2, "from -3 to 3 m"),
         (("thing", "{plate}", "--folder", "{folder}", "--center", "inf", "0"), 2, "from -3 to 3 m"),
         (("thing", "{plate}", "--folder", "{folder}", "--floor", "0.6"), 2, "below --height"),
+        (
+            ("thing", "{plate}", "--folder", "{folder}", "--camera-info", "/eye/camera_info"),
+            2,
+            "--camera-info must be a .yaml file: nobody publishes with --folder",
+        ),
     ],
 )
 def test_wrong_arguments_say_what_is_wrong(run, plate, folder, words, code, message):
@@ -504,6 +510,26 @@ def test_a_plate_is_where_its_tags_are(plate):
     other = plate_of(read_plate_bundle(plate, "plate", ""), truth[:2, 3] + [0.01, 0.0], 0.05)
     assert np.allclose(other.frame[:3, 3], truth[:3, 3] + [0.01, 0.0, 0.0], atol=1e-5)
     assert other.radius == 0.05
+
+
+def tilted_plate(path, degrees):
+    """The plate's tags in a frame whose x-y plane is tilted against it, and the tilt."""
+    tilt = np.eye(4)
+    tilt[:3, :3] = cv2.Rodrigues(np.radians([degrees, 0.0, 0.0]))[0]
+    tags = turntable.bundle().tags
+    tags = [BundleTag(one.id, one.size, tilt @ one.pose, 0.0, 0.0) for one in tags]
+    write_bundles(str(path), [Bundle("plate", tags)], turntable.FAMILY)
+    return read_plate_bundle(str(path), "", ""), tilt
+
+
+def test_the_center_has_its_x_and_y_in_a_frame_that_is_tilted(tmp_path):
+    tags, tilt = tilted_plate(tmp_path / "tilted.yaml", 20.0)
+    place = plate_of(tags, (0.01, 0.1), 0.05).frame[:3, 3]
+    assert np.allclose(place[:2], (0.01, 0.1), atol=1e-6)
+    assert abs((tilt[:3, :3].T @ place)[2]) < 1e-6
+    tags, _ = tilted_plate(tmp_path / "upright.yaml", 88.0)
+    with pytest.raises(ValueError, match="center tells no place on the plate, which is upright"):
+        plate_of(tags, (0.01, 0.1), 0.05)
 
 
 def test_tags_on_no_plane_are_no_plate(plate, tmp_path):

@@ -15,6 +15,11 @@ TIMEOUT = 10.0  # s, longest wait for a camera_info
 SUFFIXES = (".yaml", ".yml")
 
 
+def is_camera_file(source: str) -> bool:
+    """Returns whether known_cameras() takes this for a file, and not for a topic."""
+    return source.endswith(SUFFIXES)
+
+
 def known_cameras(source: str, bag: Optional[str] = None) -> Dict[Tuple[int, int], CameraModel]:
     """Returns the camera of a calibration file, or of a topic of camera_info, by its images' size.
 
@@ -29,7 +34,7 @@ def known_cameras(source: str, bag: Optional[str] = None) -> Dict[Tuple[int, int
         ValueError: There is no camera_info, or the camera is not calibrated.
         OSError: The file or the bag cannot be read.
     """
-    if source.endswith(SUFFIXES):
+    if is_camera_file(source):
         camera = read_camera(source)
         return {(camera.width, camera.height): camera}
     info = _recorded(source, bag) if bag else _published(source)

@@ -5,7 +5,7 @@ import os
 from typing import Tuple
 
 from ..common.arguments import number_within
-from .known_cameras import SUFFIXES
+from .known_cameras import is_camera_file
 
 EXAMPLES = """a stereo pair, from two folders, and from a camera that publishes both images:
   calibrate_headless.py --stereo --size 8x6 --square 0.025 left/ right/
@@ -62,12 +62,8 @@ def complete_pair(arguments: argparse.Namespace) -> None:
     if arguments.files and arguments.slop is not None:
         raise ValueError("--slop is of images with stamps, not of files")
     arguments.slop = arguments.slop or 0.0
-    if arguments.files and arguments.keep and not all(map(_is_file, arguments.keep)):
+    if arguments.files and arguments.keep and not all(map(is_camera_file, arguments.keep)):
         raise ValueError("with FILEs, --keep has two .yaml files")
-
-
-def _is_file(source: str) -> bool:
-    return source.endswith(SUFFIXES)
 
 
 def sides_of(path: str) -> Tuple[str, str]:

@@ -4,6 +4,7 @@ import argparse
 from typing import Sequence
 
 from .. import tag_family
+from ..calibration.known_cameras import is_camera_file
 from ..common.arguments import number_within, parse_completely
 from ..common.errors import about
 from ..ros.transport import camera_info_beside
@@ -64,7 +65,7 @@ def _add_source(group: argparse._ArgumentGroup) -> None:
         "--camera-info",
         metavar="TOPIC",
         default="",
-        help="or a .yaml file (default: beside the images)",
+        help="or a .yaml file, as --folder needs it (default: beside the images)",
     )
     group.add_argument("--bag", metavar="FILE", default="", help="with the topics in it")
     group.add_argument("--folder", metavar="FOLDER", default="", help="of image files")
@@ -115,6 +116,8 @@ def _complete(arguments: argparse.Namespace) -> None:
     topics = (arguments.image, arguments.depth)
     if arguments.folder and (arguments.bag or any(topics)):
         raise ValueError("the images are of --folder, or of --image and --depth")
+    if arguments.folder and arguments.camera_info and not is_camera_file(arguments.camera_info):
+        raise ValueError("--camera-info must be a .yaml file: nobody publishes with --folder")
     if not arguments.folder and not arguments.image:
         raise ValueError("the images are missing: --image and --depth, or --folder")
     if arguments.image and not arguments.depth:

@@ -13,6 +13,7 @@ from ..tags.bundle_files import parse_bundles
 
 MAX_PLANE_ERROR = 0.005  # m, of a tag from the plane of the plate
 MIN_RADIUS = 0.02  # m, of the place for an object
+MIN_LEVEL = 0.1  # cosine of the plate's tilt in the bundle's frame, where x and y tell a place
 SQUARE = np.array([[-0.5, -0.5, 0.0], [0.5, -0.5, 0.0], [0.5, 0.5, 0.0], [-0.5, 0.5, 0.0]])
 
 
@@ -87,7 +88,8 @@ def plate_of(
         radius: m, of the place for the object; None: up to the nearest tag.
 
     Raises:
-        ValueError: The tags are on no plane, or there is no place between them.
+        ValueError: The tags are on no plane, there is no place between them, or x and y tell none,
+            as the plate is upright in the bundle's frame.
     """
     corners = np.array(
         [tag.size * SQUARE @ tag.pose[:3, :3].T + tag.pose[:3, 3] for tag in tags.bundle.tags]
@@ -128,9 +130,13 @@ def _plane(points: np.ndarray, up: np.ndarray) -> np.ndarray:
 
 def _below(frame: np.ndarray, center: Sequence[float]) -> np.ndarray:
     """Returns the point of the plane with these x and y in the bundle's frame."""
-    normal = frame[:3, 2]
-    point = np.array([center[0], center[1], frame[2, 3]])
-    return point - ((point - frame[:3, 3]) @ normal) * normal
+    middle, normal = frame[:3, 3], frame[:3, 2]
+    if abs(normal[2]) < MIN_LEVEL:
+        raise ValueError(
+            "center tells no place on the plate, which is upright in the bundle's frame"
+        )
+    away = np.asarray(center) - middle[:2]
+    return np.array([*center, middle[2] - (away @ normal[:2]) / normal[2]])
 
 
 def _distance_to(square: np.ndarray) -> float:
