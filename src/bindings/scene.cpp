@@ -87,8 +87,8 @@ void bindScenes(py::module& m)
                  return withoutGil([&] { return std::make_unique<TabletopScene>(params, standing); });
                }),
            "params"_a = SceneParams(), "meshes"_a = py::none(),
-           "meshes: list of (name, Mesh), with z up; None: the sample meshes.\n\nRaises ValueError if there is no room "
-           "for all, and for names that are not unique.");
+           "meshes: list of (name, Mesh), with z up; None: the sample meshes.\n\nRaises ValueError for a mesh "
+           "that is too tall, if there is no room for all, and for names that are not unique.");
 }
 
 py::array renderFloor(const FloorScene& scene, const Matrix& camera)

@@ -172,6 +172,26 @@ def scene_params():
 NUT = rv.sample_mesh("nut").mesh
 
 
+def test_the_tallest_things_stay_before_the_camera():
+    box = rv.sample_mesh("box").mesh
+    low, high = box.vertices.min(axis=0), box.vertices.max(axis=0)
+    vertices = (box.vertices - high) / (high - low) * np.float32([0.14, 0.14, 0.5])
+    tall = rv.Mesh(vertices, box.triangles)  # whose origin is at its top
+    table = rv.TabletopScene(scene_params(), [(name, tall) for name in "abcdefgh"])
+    for frame in range(0, PERIOD, 25):
+        for one in table.truth(frame).objects:
+            assert (vertices @ one.pose[2, :3] + one.pose[2, 3]).min() > 0.05
+            assert np.isfinite(one.center).all()
+
+
+def test_vertices_that_no_triangle_has_are_not_there():
+    more = rv.Mesh(np.vstack([NUT.vertices, [[0.5, 0.0, 0.6]]]), NUT.triangles)
+    truths = [rv.TabletopScene(scene_params(), [("a", mesh)]).truth(0) for mesh in (NUT, more)]
+    first, second = (truth.objects[0] for truth in truths)
+    assert np.array_equal(first.outline, second.outline)
+    assert first.visible and second.visible
+
+
 @pytest.mark.parametrize(
     ("meshes", "message"),
     [
@@ -187,6 +207,10 @@ NUT = rv.sample_mesh("nut").mesh
         (
             [("a", rv.Mesh(20.0 * NUT.vertices, NUT.triangles))],
             "mesh a is 1.2 m across, must be small enough for the room that is left on the table",
+        ),
+        (
+            [("a", rv.Mesh(NUT.vertices * np.float32([1.0, 1.0, 30.0]), NUT.triangles))],
+            "mesh a is 0.66 m tall, must be at most 0.5 m",
         ),
     ],
 )

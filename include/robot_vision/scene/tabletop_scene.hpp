@@ -36,10 +36,11 @@ class TabletopScene : public Scene
 {
 public:
   static constexpr std::size_t kMaxMeshes = 50;
+  static constexpr double kMaxHeight = 0.5;  // m; what is taller would be beside or behind the camera in some frames
 
   /// The parameter `still` has the camera stay where it is in frame 0. Throws std::invalid_argument as
   /// validate(SceneParams) and validate(Mesh) do, naming the mesh, for less than one mesh or more than kMaxMeshes, for
-  /// names that are empty or not unique, and if there is no room on the table.
+  /// names that are empty or not unique, for a mesh taller than kMaxHeight, and if there is no room on the table.
   explicit TabletopScene(const SceneParams& params, const std::vector<TabletopMesh>& meshes = sampleTabletop());
 
 private:

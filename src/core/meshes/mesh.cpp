@@ -5,6 +5,7 @@
 #include <string>
 
 #include "robot_vision/common/range.hpp"
+#include "used_vertices.hpp"
 
 namespace robot_vision
 {
@@ -50,19 +51,6 @@ void validateTextures(const Mesh& mesh)
                                     [](int texture) { return texture >= 0; });
   require(!textured || !mesh.texture_coordinates.empty(), "number of texture coordinates", 0,
           "that of the vertices where triangles have textures");
-}
-
-/// The vertices that triangles use.
-std::vector<cv::Vec3d> usedVertices(const Mesh& mesh)
-{
-  std::vector<bool> used(mesh.vertices.size());
-  for (const cv::Vec3i& triangle : mesh.triangles)
-    for (const int vertex : triangle.val)
-      used[static_cast<std::size_t>(vertex)] = true;
-  std::vector<cv::Vec3d> vertices;
-  for (std::size_t i = 0; i < used.size(); ++i)
-    if (used[i]) vertices.emplace_back(mesh.vertices[i]);
-  return vertices;
 }
 
 const cv::Vec3d& farthest(const std::vector<cv::Vec3d>& points, const cv::Vec3d& from)

@@ -7,6 +7,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "core/meshes/used_vertices.hpp"
 #include "robot_vision/common/printable.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/meshes/sample_meshes.hpp"
@@ -24,10 +25,10 @@ namespace
 struct Standing
 {
   Standing(const TabletopMesh& one)
-  try : name(one.name), renderer(one.mesh), vertices(one.mesh.vertices)
+  try : name(one.name), renderer(one.mesh), vertices(usedVertices(one.mesh))
   {
     const MeshExtent& extent = renderer.extent();
-    for (const cv::Vec3f& vertex : vertices)
+    for (const cv::Vec3d& vertex : vertices)
       radius = std::max(radius, std::hypot(vertex[0] - extent.center[0], vertex[1] - extent.center[1]));
   }
   catch (const std::invalid_argument& e)
@@ -45,9 +46,9 @@ struct Standing
 
   std::string name;
   MeshRenderer renderer;
-  std::vector<cv::Vec3f> vertices;
-  double radius = 0.0;  // m, around its middle seen from above
-  cv::Affine3d pose;    // in the world
+  std::vector<cv::Vec3d> vertices;  // those that are seen
+  double radius = 0.0;              // m, around its middle seen from above
+  cv::Affine3d pose;                // in the world
 };
 
 void requireNames(const std::vector<TabletopMesh>& meshes)
@@ -61,14 +62,13 @@ void requireNames(const std::vector<TabletopMesh>& meshes)
 }
 
 /// The corners of the hull of what a camera without distortion would see, as the lens shows them.
-scene::Polygon2 outlineOf(const std::vector<cv::Vec3f>& vertices, const cv::Affine3d& pose, const CameraModel& camera)
+scene::Polygon2 outlineOf(const std::vector<cv::Vec3d>& vertices, const cv::Affine3d& pose, const CameraModel& camera)
 {
   std::vector<cv::Point2f> rays, hull;
   rays.reserve(vertices.size());
-  const cv::Matx34f matrix = pose.matrix.get_minor<3, 4>(0, 0);
-  for (const cv::Vec3f& vertex : vertices)
+  for (const cv::Vec3d& vertex : vertices)
   {
-    const cv::Vec3f point = matrix * cv::Vec4f(vertex[0], vertex[1], vertex[2], 1.0F);
+    const cv::Vec3d point = pose * vertex;
     rays.emplace_back(point[0] / point[2], point[1] / point[2]);
   }
   cv::convexHull(rays, hull);
@@ -89,6 +89,10 @@ struct TabletopScene::Table : Content
     for (const TabletopMesh& mesh : meshes)
     {
       standing.emplace_back(mesh);
+      const double height = std::round(1000.0 * standing.back().renderer.extent().size[2]) / 1000.0;  // m
+      if (height > kMaxHeight)
+        require(false, "mesh " + printable(mesh.name), toText(height) + " m tall",
+                "at most " + toText(kMaxHeight) + " m");
       radii.push_back(standing.back().radius);
     }
     const std::vector<cv::Point2d> places = scene::placesOnTable(radii);
