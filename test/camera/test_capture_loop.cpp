@@ -47,6 +47,7 @@ public:
   std::atomic<int> opened{0};
   std::atomic<int> prepared{0};
   WantedViews wanted;                // what it asks for; in the loop's thread
+  std::vector<double> rates;         // those of the sources that it is told of, Hz
   std::string loss;                  // the last reason for which there was no source
   std::string file = "/dev/video0";  // the file that the loop looks for while it is idle
   std::function<std::unique_ptr<FrameSource>(const CaptureParams&)> open = [this](const CaptureParams& p)
@@ -95,7 +96,7 @@ public:
   }
 
 private:
-  void onOpened(const FrameSource&) override {}
+  void onOpened(const FrameSource& source) override { rates.push_back(source.rate()); }
   WantedViews wantedViews() override { return wanted; }
   void prepare(Frame&) override { ++prepared; }
   void onFrame(const Frame& frame) override
@@ -137,6 +138,27 @@ public:
 
 private:
   Clock::time_point keyframe_;
+};
+
+/// A scene whose rate can be changed.
+class SteadyScene : public FrameSource
+{
+public:
+  ReadResult read(Frame& frame) override
+  {
+    frame.image = cv::Mat(1, 1, CV_8UC1);
+    return ReadResult::kFrame;
+  }
+  double rate() const override { return rate_; }
+  bool setRate(double rate) override
+  {
+    rate_ = rate;
+    return true;
+  }
+  std::string description() const override { return "scene"; }
+
+private:
+  double rate_ = 1000.0;  // Hz
 };
 
 std::size_t entries(const char* folder)
@@ -325,6 +347,23 @@ TEST(CaptureLoop, opensForAnotherRateOnlyWhatTakesOneWhenItIsOpened)
     capture.runUntilFinished();
     EXPECT_EQ(capture.opened, stream ? 1 : 2);
   }
+}
+
+TEST(CaptureLoop, givesAnotherRateToASourceThatTakesIt)
+{
+  Capture capture;
+  capture.params.source = "synthetic";
+  capture.open = [](const CaptureParams&) { return std::make_unique<SteadyScene>(); };
+  int frames = 0;
+  capture.on_frame = [&](const Frame&)
+  {
+    if (++frames == 1) capture.pace(500.0);
+    if (capture.rates.size() == 2) capture.pace(0.0);
+    if (capture.rates.size() == 3) capture.finish();
+  };
+  capture.runUntilFinished();
+  EXPECT_EQ(capture.opened, 1);
+  EXPECT_EQ(capture.rates, (std::vector<double>{1000.0, 500.0, kDefaultRate}));
 }
 
 TEST(CaptureLoop, tellsTheSourceWhichViewsAreWanted)

@@ -2,9 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+
 #include "robot_vision/camera/open_source.hpp"
 #include "robot_vision/meshes/sample_meshes.hpp"
 #include "support/refusal.hpp"
+#include "support/temp_folder.hpp"
 
 using namespace robot_vision;
 
@@ -37,6 +41,34 @@ TEST(SceneMeshes, areRefusedWithTheNameOfTheOneThatIsWrong)
   EXPECT_EQ(refusalOf("nut,,box"), "meshes: there is nothing between two commas");
   EXPECT_EQ(refusalOf("nut,/nowhere/cup.stl"), "meshes: /nowhere/cup.stl cannot be read: No such file or directory");
   EXPECT_EQ(refusalOf("/dev/null"), "meshes: /dev/null cannot be read: it is no file");
+}
+
+TEST(SceneMeshes, moveOnAtAnotherRateWithoutTheirFiles)
+{
+  const TempFolder folder;
+  const std::filesystem::path file = folder.path() / "thing.off";
+  std::ofstream(file) << "OFF\n4 4 0\n0 0 0\n0.1 0 0\n0 0.1 0\n0 0 0.1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+  CaptureParams params;
+  params.source = "synthetic";
+  params.scene = "tabletop";
+  params.meshes = file.string();
+  params.image_width = 128;
+  params.image_height = 96;
+  const std::unique_ptr<FrameSource> source = openSource(params);
+  std::filesystem::remove(file);
+  Frame frame;
+  for (int number = 0; number < 6; ++number)
+    ASSERT_EQ(source->read(frame), ReadResult::kFrame);
+  ASSERT_TRUE(source->setRate(15.0));
+  EXPECT_EQ(source->description(), "synthetic scene (tabletop) 128x96 at 15 Hz");
+  ASSERT_EQ(source->read(frame), ReadResult::kFrame);
+  EXPECT_EQ(frame.sequence, 6);
+  EXPECT_EQ(frame.truth->frame, 3);
+  SceneParams slow;
+  slow.width = params.image_width;
+  slow.height = params.image_height;
+  slow.rate = 15.0;
+  EXPECT_EQ(frame.truth->camera.matrix, TabletopScene(slow).truth(3).camera.matrix);
 }
 
 TEST(SceneMeshes, standOnTheTableOfTheSource)

@@ -16,6 +16,7 @@ class CaptureListener
 {
 public:
   virtual ~CaptureListener() = default;
+  /// The source was opened, or has taken another rate.
   virtual void onOpened(const FrameSource& source) = 0;
   /// The images that the next frame is to have.
   virtual WantedViews wantedViews() { return {}; }

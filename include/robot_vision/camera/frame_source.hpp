@@ -91,6 +91,10 @@ public:
   /// frame.
   virtual double rate() const = 0;
 
+  /// Takes another rate to be read at (Hz), and goes on where it is. Returns false if it cannot: most sources have
+  /// their own rate, and a device takes it when it is opened.
+  virtual bool setRate(double /*rate*/) { return false; }
+
   /// Seconds from one frame of a live source to the next; 0 if unknown.
   virtual double period() const { return 0.0; }
 

@@ -104,8 +104,8 @@ enum class SceneView
 SceneView sceneView(const std::string& name);
 
 /// A room drawn from exact geometry and seen by moving cameras. An image and its ground truth depend on the parameters,
-/// the poster and the frame number only. All methods are const and use no scratch memory, so threads may share one
-/// scene.
+/// the poster and the frame number only. All methods but setRate() are const and use no scratch memory, so threads may
+/// share one scene.
 class Scene
 {
 public:
@@ -114,6 +114,10 @@ public:
   /// validate does, and for a poster of another type.
   explicit Scene(const SceneParams& params, const cv::Mat& poster_bgr = cv::Mat());
   ~Scene();
+
+  /// Shows the motion at another number of frames per second than that of the parameters, as a scene of that rate does.
+  /// Throws std::invalid_argument as validate does.
+  void setRate(double rate);
 
   const CameraModel& camera(SceneView view = SceneView::kColor) const;
 
@@ -140,6 +144,7 @@ protected:
 private:
   struct Room;
   std::unique_ptr<const Content> content_;
+  double rate_;  // Hz
 };
 
 /// A checkerboard is shown to the Scene's camera as one does to calibrate it: every half second in another pose, all

@@ -116,10 +116,12 @@ private:
   void setPace(double framerate, bool loop)
   {
     next_frame_ = Clock::now();
-    // A device and the scene take their rate when they are opened; a stream and a Kinect have their own.
-    const bool has_rate = params_.kind == SourceKind::kDevice || params_.kind == SourceKind::kSynthetic;
-    if (has_rate && framerate != params_.framerate) source_.reset();
+    const bool is_new = framerate != params_.framerate;
     params_.framerate = framerate;
+    if (is_new && params_.kind == SourceKind::kDevice)
+      source_.reset();  // it takes its rate when it is opened
+    else if (is_new && source_ && source_->setRate(wantedRate(params_)))
+      listener_.onOpened(*source_);
     if (!ended_ || !loop || !source_) return;
     source_->rewind();
     ended_ = false;

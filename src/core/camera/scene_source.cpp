@@ -1,5 +1,6 @@
 #include "scene_source.hpp"
 
+#include <cmath>
 #include <filesystem>
 
 #include "image_files_source.hpp"
@@ -64,12 +65,21 @@ public:
     if (second_ && frame.wanted.second) second_->render(next_, frame.image, frame.second);
     frame.encoding = "bgr8";
     frame.truth = std::make_shared<const SceneTruth>(scene_.truth(next_));
-    frame.sequence = next_++;
+    frame.sequence = sequence_++;
     frame.monotonic_ns = 0;
+    ++next_;
     return ReadResult::kFrame;
   }
 
   double rate() const override { return rate_; }
+
+  bool setRate(double rate) override
+  {
+    scene_.setRate(rate);
+    next_ = std::llround(static_cast<double>(next_) * rate / rate_);
+    rate_ = rate;
+    return true;
+  }
 
   std::string description() const override
   {
@@ -91,7 +101,8 @@ private:
   double rate_;
   AnyScene scene_;
   std::unique_ptr<SceneSecondView> second_;  // null with one view
-  std::int64_t next_ = 0;
+  std::int64_t next_ = 0;                    // frame of the motion, which has another number at another rate
+  std::int64_t sequence_ = 0;
 };
 
 std::unique_ptr<FrameSource> openTabletop(const CaptureParams& params)

@@ -71,7 +71,7 @@ struct Scene::Room : Content
   std::shared_ptr<const scene::SceneRenderer> renderer;
 };
 
-Scene::Scene(std::unique_ptr<const Content> content) : content_(std::move(content))
+Scene::Scene(std::unique_ptr<const Content> content) : content_(std::move(content)), rate_(content_->rate)
 {
 }
 
@@ -81,6 +81,14 @@ Scene::Scene(const SceneParams& params, const cv::Mat& poster_bgr)
 }
 
 Scene::~Scene() = default;
+
+void Scene::setRate(double rate)
+{
+  SceneParams params;
+  params.rate = rate;
+  validate(params);
+  rate_ = rate;
+}
 
 const CameraModel& Scene::camera(SceneView view) const
 {
@@ -94,7 +102,7 @@ cv::Affine3d Scene::viewPose(SceneView view) const
 
 SceneTruth Scene::truth(std::int64_t frame) const
 {
-  SceneTruth truth = content_->truth(scene::sceneTime(frame, content_->rate));
+  SceneTruth truth = content_->truth(scene::sceneTime(frame, rate_));
   truth.frame = frame;
   return truth;
 }
@@ -105,7 +113,7 @@ void Scene::render(std::int64_t frame, cv::Mat& bgr, SceneView view) const
   const scene::Lens& lens = content_->cameras.lens(view);
   bgr.create(lens.camera.height, lens.camera.width, CV_8UC3);
   scene::ColorCanvas canvas(lens, bgr);
-  content_->draw(scene::sceneTime(frame, content_->rate), scene::viewOffset(view), canvas);
+  content_->draw(scene::sceneTime(frame, rate_), scene::viewOffset(view), canvas);
   (view == SceneView::kRight ? content_->right_noise : content_->noise).add(frame, bgr);
 }
 
@@ -114,7 +122,7 @@ void Scene::renderDepth(std::int64_t frame, cv::Mat& depth, SceneView view) cons
   const scene::Lens& lens = content_->cameras.lens(view);
   depth.create(lens.camera.height, lens.camera.width, CV_32FC1);
   scene::DepthCanvas canvas(lens, depth);
-  content_->draw(scene::sceneTime(frame, content_->rate), scene::viewOffset(view), canvas);
+  content_->draw(scene::sceneTime(frame, rate_), scene::viewOffset(view), canvas);
   canvas.finish();
 }
 

@@ -24,7 +24,7 @@ struct Scene::Content
   /// optical frame, and looks in the same direction. Writes every pixel.
   virtual void draw(double seconds, const cv::Vec3d& offset, scene::Canvas& canvas) const = 0;
 
-  double rate;
+  double rate;  // Hz, in the beginning
   scene::SceneCameras cameras;
   scene::PixelNoise noise, right_noise;
 };
