@@ -4,11 +4,15 @@ import json
 import struct
 
 import pytest
+import rospy
+from geometry_msgs.msg import TransformStamped
 from std_msgs.msg import Header
+from tf2_msgs.msg import TFMessage
 
 from robot_vision.dashboard import foxglove_protocol as protocol
+from robot_vision.dashboard import foxglove_topics
 from robot_vision.dashboard.foxglove_queue import MAX_WAITING, FairQueue
-from robot_vision.dashboard.foxglove_topics import TopicList
+from robot_vision.dashboard.foxglove_topics import ForwardedTopic, TopicList
 from robot_vision.dashboard.message_topics import RawMessage
 
 
@@ -195,3 +199,28 @@ def test_what_comes_for_a_subscription_that_has_ended_is_dropped():
     queue.remove(1)
     queue.put(1, b"", b"b")
     assert queue.take() is None and queue.size() == 0
+
+
+def latched(message):
+    return RawMessage(
+        message._type, message._md5sum, b"", 0.0, "/player", message=message, latched=True
+    )
+
+
+def test_who_comes_later_gets_all_static_transforms_of_a_node(monkeypatch):
+    """A node that plays a bag says those of each recorded sender in a message of its own."""
+    monkeypatch.setattr(foxglove_topics, "RawTopic", lambda _topic, _take: None)
+    monkeypatch.setattr(rospy.Time, "now", rospy.Time)
+    topic = ForwardedTopic("/tf_static")
+    for child in ("eye", "hand", "eye"):
+        topic._take(latched(TFMessage([TransformStamped(child_frame_id=child)])))
+    for name in ("an old one", "the newest"):
+        topic._take(latched(Header(frame_id=name)))
+    transforms, headers = [], []
+    for came, kind in (transforms, TFMessage), (headers, Header):
+        channel = protocol.TopicChannel(1, "/tf_static", kind._type, "")
+        topic.add(
+            channel, lambda _, data, came=came, kind=kind: came.append(kind().deserialize(data))
+        )
+    assert [one.transforms[0].child_frame_id for one in transforms] == ["eye", "hand"]
+    assert [one.frame_id for one in headers] == ["the newest"]

@@ -13,6 +13,7 @@ from .foxglove_protocol import TopicChannel
 from .message_topics import RawMessage, RawTopic, class_of
 
 LOOK_PERIOD = 1.0  # s between two looks at the topics while a client is there
+TRANSFORMS = "tf2_msgs/TFMessage"
 OnMessage = Callable[[int, bytes], Any]  # time in ns, bytes
 
 
@@ -59,7 +60,8 @@ class ForwardedTopic:
     def __init__(self, topic: str):
         self._lock = threading.Lock()  # guards all below
         self._callbacks: List[Tuple[TopicChannel, OnMessage]] = []
-        self._latched: Dict[str, Tuple[RawMessage, int, bytes]] = {}  # by publisher
+        # By the publisher, and the frames of transforms.
+        self._latched: Dict[Tuple[str, ...], Tuple[RawMessage, int, bytes]] = {}
         self._throttle = Throttle()
         self._topic = RawTopic(topic, self._take)
 
@@ -81,11 +83,25 @@ class ForwardedTopic:
 
     def _take(self, raw: RawMessage) -> None:
         time, data = rospy.Time.now().to_nsec(), raw.serialized()
+        frames = _frames_of(raw) if raw.latched else ()
         with self._lock:
             if raw.latched:
-                self._latched[raw.publisher] = (raw, time, data)
+                self._latched[(raw.publisher, *frames)] = (raw, time, data)
             callbacks = [
                 callback for channel, callback in self._callbacks if channel.type == raw.type
             ]
         for callback in callbacks:
             callback(time, data)
+
+
+def _frames_of(raw: RawMessage) -> Tuple[str, ...]:
+    """Returns which frames a message says the places of; none if it has no transforms.
+
+    A node may say what is static in several messages, all of which still hold.
+    """
+    if raw.type != TRANSFORMS:
+        return ()
+    try:
+        return tuple(transform.child_frame_id for transform in raw.decoded().transforms)
+    except ValueError:
+        return ()
