@@ -22,7 +22,8 @@ def places(monkeypatch, simulated, messages):
     """Where the eye is after each of (time, message)."""
     monkeypatch.setattr(rospy.rostime, "is_wallclock", lambda: not simulated)
     buffer = tf2_ros.Buffer(debug=False)
-    listener, seen = _Listener(buffer), []
+    listener, seen = _Listener(), []
+    listener.add(buffer)
     for now, message in messages:
         monkeypatch.setattr(rospy.Time, "now", lambda now=now: rospy.Time(now))
         listener.take(message)

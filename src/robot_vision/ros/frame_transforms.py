@@ -2,15 +2,16 @@
 
 import threading
 import time
-from typing import List, Optional
+from typing import Dict, List, Optional, Tuple
 
 import numpy as np
 import rospy
 import tf2_ros
+from geometry_msgs.msg import TransformStamped
 from tf2_msgs.msg import TFMessage
 
 from ..common.rotations import rotation_of
-from .context import current
+from .context import NodeContext, current
 
 MAX_AHEAD = rospy.Duration(10.0)  # as long as tf2 keeps what was said
 
@@ -23,7 +24,6 @@ class FrameTransforms:
         self._lock = threading.Lock()  # guards all below
         self._ended = False
         self._buffer: Optional[tf2_ros.Buffer] = None  # while it listens
-        self._topics: List[rospy.Subscriber] = []
         self._since = 0.0  # s of the monotonic clock
         self._context.on_end(self._end)
 
@@ -55,7 +55,7 @@ class FrameTransforms:
         return rotation_of(np.array([turn.x, turn.y, turn.z, turn.w]))
 
     def forget(self) -> None:
-        """Ends listening; what is static comes again when it begins anew."""
+        """Ends listening; what is static is there again when it begins anew."""
         with self._lock:
             self._forget()
 
@@ -65,53 +65,107 @@ class FrameTransforms:
             self._forget()
 
     def _forget(self) -> None:
-        for topic in self._topics:
-            self._context.close(topic.unregister)
-        self._topics = []
-        self._buffer = None
+        if self._buffer is not None:
+            _leave(self._context, self._buffer)
+            self._buffer = None
 
     def _listen(self) -> None:
-        self._buffer = tf2_ros.Buffer(debug=False)  # It has no service for others.
-        self._since = time.monotonic()
-        listener = _Listener(self._buffer)
-        # tf2's own listener would take the topics of the process, however a node's are remapped.
-        for name, take in ("/tf", listener.take), ("/tf_static", listener.take_static):
-            self._topics.append(self._context.subscriber(name, TFMessage, take))
+        buffer = tf2_ros.Buffer(debug=False)  # It has no service for others.
+        _join(self._context, buffer)
+        self._buffer, self._since = buffer, time.monotonic()
 
 
 class _Listener:
-    """Puts what comes into a buffer, as tf2_ros.TransformListener does."""
+    """Puts what comes into buffers, as tf2_ros.TransformListener does."""
 
-    def __init__(self, buffer: tf2_ros.Buffer) -> None:
-        self._buffer = buffer
-        self._lock = threading.Lock()  # guards the time, as each topic may have several threads
+    def __init__(self) -> None:
+        self._lock = threading.Lock()  # guards all below, as each topic may have several threads
+        self._buffers: List[tf2_ros.Buffer] = []
+        self._static: Dict[str, TransformStamped] = {}  # by child frame
         self._newest = rospy.Time()
+        self._topics: List[rospy.Subscriber] = []
+
+    def open(self, context: NodeContext) -> None:
+        """Subscribes to the topics of a node, but not as this node, which others may outlive."""
+        # tf2's own listener would take the topics of the process, however a node's are remapped.
+        for name, take in ("/tf", self.take), ("/tf_static", self.take_static):
+            self._topics.append(rospy.Subscriber(context.given(name), TFMessage, take))
+
+    def close(self) -> None:
+        while self._topics:
+            self._topics.pop().unregister()
+
+    def add(self, buffer: tf2_ros.Buffer) -> None:
+        with self._lock:
+            for transform in self._static.values():
+                buffer.set_transform_static(transform, "tf")
+            self._buffers.append(buffer)
+
+    def remove(self, buffer: tf2_ros.Buffer) -> None:
+        with self._lock:
+            self._buffers.remove(buffer)
+
+    def is_used(self) -> bool:
+        return bool(self._buffers)
 
     def take(self, message: TFMessage) -> None:
-        now = self._look_at_clock()
-        for transform in message.transforms:
-            # What is of before the time went back can be on its way when the clock's message is
-            # here: tf2 would leave out what is said from then on until the time is there again.
-            if not (self._is_simulated() and now and transform.header.stamp > now + MAX_AHEAD):
-                self._buffer.set_transform(transform, "tf")
+        with self._lock:
+            now = self._look_at_clock()
+            for transform in message.transforms:
+                # What is of before the time went back can be on its way when the clock's message is
+                # here: tf2 would leave out what is said from then on until the time is there
+                # again.
+                if self._is_simulated() and now and transform.header.stamp > now + MAX_AHEAD:
+                    continue
+                for buffer in self._buffers:
+                    buffer.set_transform(transform, "tf")
 
     def take_static(self, message: TFMessage) -> None:
-        self._look_at_clock()
-        for transform in message.transforms:
-            self._buffer.set_transform_static(transform, "tf")
+        with self._lock:
+            self._look_at_clock()
+            for transform in message.transforms:
+                self._static[transform.child_frame_id] = transform
+                for buffer in self._buffers:
+                    buffer.set_transform_static(transform, "tf")
 
     def _look_at_clock(self) -> rospy.Time:
         """Returns the time.
 
         Forgets what is of a time to come, if the time went back, as when a bag begins anew.
         """
-        with self._lock:
-            now = rospy.Time.now()
-            if now < self._newest:
-                self._buffer.clear()
-            self._newest = now
+        now = rospy.Time.now()
+        if now < self._newest:
+            for buffer in self._buffers:
+                buffer.clear()
+        self._newest = now
         return now
 
     @staticmethod
     def _is_simulated() -> bool:
         return not rospy.rostime.is_wallclock()
+
+
+# By the names of both topics. A process has one connection to each sender, which says all that is
+# static at its beginning only; so a node that listens later shares the listener of the first one.
+_listeners: Dict[Tuple[str, str], _Listener] = {}
+_listeners_lock = threading.Lock()
+
+
+def _join(context: NodeContext, buffer: tf2_ros.Buffer) -> None:
+    """Has a buffer get what is said on the topics of a node, and what is static of before."""
+    names = context.resolve("/tf"), context.resolve("/tf_static")
+    with _listeners_lock:
+        if names not in _listeners:
+            listener = _Listener()
+            listener.open(context)
+            _listeners[names] = listener
+        _listeners[names].add(buffer)
+
+
+def _leave(context: NodeContext, buffer: tf2_ros.Buffer) -> None:
+    """Has a buffer get no more; with the last one the process ends listening."""
+    names = context.resolve("/tf"), context.resolve("/tf_static")
+    with _listeners_lock:
+        _listeners[names].remove(buffer)
+        if not _listeners[names].is_used():
+            _listeners.pop(names).close()
