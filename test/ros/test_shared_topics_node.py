@@ -1,8 +1,10 @@
 """Nodes of a process that publish on the same topic, for which rospy has one publisher."""
 
 import contextlib
+import logging
 import threading
 
+import pytest
 import rospy
 import support
 from diagnostic_msgs.msg import DiagnosticArray
@@ -10,6 +12,7 @@ from frames import Source, new_topic
 from geometry_msgs.msg import TransformStamped
 from tf2_msgs.msg import TFMessage
 
+from robot_vision.nodelets.log_names import log_by_node
 from robot_vision.ros.context import LoadedContext, active
 from robot_vision.ros.frame_transforms import FrameTransforms
 from robot_vision.ros.image_node import ImageNode
@@ -109,7 +112,17 @@ def test_the_last_status_before_a_rest_is_told():
     rospy.delete_param("/first")
 
 
-def test_a_node_works_for_another_of_its_process_that_listens_to_transforms():
+@pytest.fixture
+def logged_by_node(monkeypatch):
+    """Has this process log as one does that holds several nodes."""
+    logger = logging.getLogger("rosout")
+    monkeypatch.setattr(logger, "handlers", logger.handlers[:])
+    monkeypatch.setattr(rospy, "get_name", rospy.get_name)
+    monkeypatch.setattr(rospy.core, "_frame_to_caller_id", rospy.core._frame_to_caller_id)
+    log_by_node()
+
+
+def test_a_node_works_for_another_of_its_process_that_listens_to_transforms(logged_by_node):
     """But those that listen come to rest, although they hear themselves and each other."""
     with loaded() as contexts:
         nodes = []

@@ -11,5 +11,6 @@ def listeners_elsewhere(output: rospy.Publisher) -> int:
     A process connects to itself where one of its nodes listens to a topic on which another one, or
     the same, publishes.
     """
-    own = {rospy.get_name(), rospy.get_name() + IMAGES}
+    process = rospy.names.get_name()
+    own = {process, process + IMAGES}
     return sum(connection.endpoint_id not in own for connection in output.impl.connections)
