@@ -14,8 +14,9 @@ from loaded_contexts import ImageTaker
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import String
 
-from robot_vision.ros.context import LoadedContext, active
+from robot_vision.ros.context import LoadedContext, active, current
 from robot_vision.ros.image_node import ImageNode
+from robot_vision.ros.node_images import node_images
 from robot_vision.ros.transport import KEPT, node_diagnostics
 from robot_vision.transport import FrameError, ImagePublisher
 
@@ -103,6 +104,69 @@ def test_a_slow_node_holds_up_no_other_and_drops_are_its_own(source):
     assert [frame.image[0, 0] for frame in slow.received] == [1, 20]
     assert (slow.images.received, slow.images.dropped) == (2, 18)
     assert (quick.images.received, quick.images.dropped) == (20, 0)
+
+
+def working(name, topic, callback):
+    """A node that works, and gets the messages of a topic; its context."""
+    context = LoadedContext(name, {"/image": new_topic()}, print)
+    with active(context):
+        node = ImageNode(lambda _: None)
+        node.subscriber(topic, String, callback)
+        node.keep_working(True)
+        node.start()
+    return context
+
+
+def test_a_node_that_works_on_a_message_holds_up_no_other():
+    """rospy calls those that listen to a topic one after the other."""
+    publisher = rospy.Publisher(new_topic(), String, queue_size=10, latch=True)
+    publisher.publish("1")
+    begun, go_on, slow, quick = [], threading.Event(), [], []
+
+    def work(words):
+        begun.append(current().name)
+        assert go_on.wait(support.DEADLINE)
+        slow.append(words.data)
+
+    contexts = [working("/slow", publisher.resolved_name, work)]
+    support.wait_for(lambda: begun, "the slow one's work on the first message")
+    contexts.append(working("/quick", publisher.resolved_name, quick.append))
+    support.wait_for(lambda: quick, "the first message")
+    for number in range(2, 5):
+        publisher.publish(str(number))
+        support.wait_for(lambda count=number: len(quick) == count, "the next message")
+    go_on.set()
+    support.wait_for(lambda: len(slow) == 2, "the newest message")
+    assert [words.data for words in quick] == ["1", "2", "3", "4"]
+    assert (slow, begun) == (["1", "4"], ["/slow"] * 2)
+    for context in contexts:
+        context.end()
+    publisher.unregister()
+
+
+def test_the_newest_message_of_each_sender_is_taken():
+    context = LoadedContext("/taker", {}, print)
+    with active(context):
+        images = node_images()
+    taken, go_on, connections = [], threading.Event(), [{}, {}]
+
+    def take(words):
+        taken.append(words.data)
+        assert go_on.wait(support.DEADLINE)
+
+    def say(text, sender):
+        words = String(text)
+        words._connection_header = connections[sender]
+        images.note(take, words)
+
+    say("the first", 0)
+    support.wait_for(lambda: taken, "the work on the first")
+    for text, sender in (("an old one", 0), ("another's", 1), ("the newest", 0)):
+        say(text, sender)
+    go_on.set()
+    support.wait_for(lambda: len(taken) == 3, "both")
+    assert taken == ["the first", "the newest", "another's"]
+    context.end()
 
 
 def test_a_callback_that_fails_is_the_error_of_its_node_alone(source, log):

@@ -35,7 +35,7 @@ class Detections3d:
     """
 
     def __init__(self) -> None:
-        self._lock = threading.Lock()  # guards all below: depth and detections have own threads
+        self._lock = threading.Lock()  # guards all below: parameters come in another thread
         self._prefix = read_prefix()
         self._camera: Optional[CameraModel] = None  # that of the locator
         self._left_out = 0  # detections since the start

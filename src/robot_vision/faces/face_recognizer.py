@@ -37,8 +37,7 @@ class FaceRecognizer:
     """
 
     def __init__(self) -> None:
-        # Guards all attributes below, because images and faces come in threads of their own.
-        self._lock = threading.Lock()
+        self._lock = threading.Lock()  # guards all attributes below, which services change
         self._recognizer = LbphRecognizer()
         self._names: List[str] = []  # in the order of the recogniser's labels
         self._identities = Identities()

@@ -54,7 +54,7 @@ class CameraInfoListener:
         The same object is returned until the camera changes. If the camera is not known, None is
         returned, and one warning gives the reason. See camera_model() for `rectified`.
         """
-        info = self._info  # Other threads replace it.
+        info = self._info
         if info is None:
             self._report_missing()
             return None

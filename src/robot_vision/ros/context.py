@@ -21,6 +21,8 @@ REQUIRED: Any = object()  # in place of a default: the parameter has to be set
 # Messages that wait on a topic of all nodes, /tf or /diagnostics: rospy has one queue for those of
 # a process, and two of them may publish at the same moment.
 SHARED_QUEUE = 100
+# Messages that wait to be received: rospy has one number for all who listen in a process.
+MESSAGE_QUEUE = 10
 
 
 class NodeContext:

@@ -180,7 +180,7 @@ class DepthInput:
         return DepthFrame(frame.header, frame.image, camera)
 
     def _camera(self, own: Tuple[int, int], size: Tuple[int, int]) -> Optional[CameraModel]:
-        info = self._info  # Other threads replace it.
+        info = self._info
         if info is not None:
             with about(f"camera_info on {self.info_topic}"):
                 return camera_model(info, own, self._rectified)

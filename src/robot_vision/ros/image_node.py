@@ -7,8 +7,9 @@ from typing import Any, Callable, Dict, List, Tuple
 import rospy
 
 from . import transport
-from .context import SHARED_QUEUE, current
+from .context import MESSAGE_QUEUE, SHARED_QUEUE, current
 from .listeners import listeners_elsewhere
+from .node_images import node_images
 from .params import read_param, review_params
 from .shared_threads import set_threads
 
@@ -55,7 +56,7 @@ class ImageNode:
         self._wanted = False
         # How many subscribers each output has, and whether they count.
         self._outputs: List[Tuple[Callable[[], int], Callable[[], bool]]] = []
-        self._inputs: List[Tuple[Any, ...]] = []  # names, types and callbacks
+        self._inputs: List[Tuple[Any, ...]] = []  # names, types, what notes
         self._subscribers: List[rospy.Subscriber] = []  # of the inputs, while the node works
         self._other_images: Dict[str, transport.ImageSubscriber] = {}  # by name
         self._last_message: Dict[str, float] = {}  # s of the monotonic clock, by input
@@ -113,8 +114,17 @@ class ImageNode:
         return output
 
     def subscriber(self, name: str, kind: Any, callback: Callable[[Any], Any]) -> None:
-        """Adds an input: while the node works, the callback gets the newest message of a topic."""
-        self._inputs.append((name, kind, self._timed(name, callback)))
+        """Adds an input: while the node works, the callback gets the newest message of a topic.
+
+        It is that of each publisher. The thread that processes `image` calls the callback, too.
+        """
+
+        def take(message: Any) -> None:
+            if self._subscribers:  # Otherwise the work has ended a moment ago.
+                callback(message)
+
+        note = functools.partial(node_images().note, take)
+        self._inputs.append((name, kind, self._timed(name, note)))
 
     def image_subscriber(
         self, name: str, callback: transport.Callback, image_transport: str = "auto"
@@ -194,8 +204,10 @@ class ImageNode:
             self._images.start()
             if not self._subscribers:
                 self._subscribers = [
-                    self._context.subscriber(name, kind, callback, queue_size=1, tcp_nodelay=True)
-                    for name, kind, callback in self._inputs
+                    self._context.subscriber(
+                        name, kind, note, queue_size=MESSAGE_QUEUE, tcp_nodelay=True
+                    )
+                    for name, kind, note in self._inputs
                 ]
             self._start_others()  # Nothing else has to wait for what may be refused.
         else:

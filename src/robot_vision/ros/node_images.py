@@ -1,17 +1,19 @@
 """The images of each node of this process, and the thread that calls their callbacks.
 
 roscpp receives and publishes them, as one node for the whole process, into which C++ nodelets can
-be loaded, too.
+be loaded, too. The thread also works through the messages that rospy receives: rospy calls all who
+listen to a topic one after the other, so that a node that works there would hold up the others.
 """
 
 import atexit
+import functools
 import math
 import sys
 import threading
 import time
 import traceback
 import weakref
-from typing import Any, Callable, Dict, List, Optional
+from typing import Any, Callable, Dict, List, Optional, Tuple
 
 import rospy
 
@@ -47,6 +49,8 @@ class NodeImages:
         # Each change of these two is a single step that the GIL makes atomic.
         self.subscribers: Dict[_transport.Inbox, Deliver] = {}
         self.listeners: List[Callable[[], Any]] = []
+        self._messages_lock = threading.Lock()  # guards the following
+        self._messages: Dict[Tuple[Callable[[Any], Any], int], Any] = {}  # by who takes and sends
         self._next_attempt = math.inf  # s of the monotonic clock, after a listener has failed
         self._failure_throttle = Throttle()
         name = self.context.name
@@ -59,6 +63,13 @@ class NodeImages:
         self.context.on_closing(self.stop)
         if self.context.is_ending():
             self.stop()
+
+    def note(self, take: Callable[[Any], Any], message: Any) -> None:
+        """Has the thread call `take` with the newest message of each sender. Thread-safe."""
+        sender = id(getattr(message, "_connection_header", None))  # one object per connection
+        with self._messages_lock:
+            self._messages[take, sender] = message
+        self.queue.interrupt()
 
     def stop(self, timeout: float = END_TIMEOUT) -> None:
         """Closes all images of the node; a callback that never returns is left behind."""
@@ -84,12 +95,19 @@ class NodeImages:
             taken is None and self.queue.connections_changed()
         ):
             self._call_listeners()
+        self._take_messages()
         if taken is None:
             return
         inbox, *frame = taken
         deliver = self.subscribers.get(inbox)
         if deliver is not None:  # Otherwise it was unregistered a moment ago.
             deliver(*frame)
+
+    def _take_messages(self) -> None:
+        with self._messages_lock:
+            messages, self._messages = self._messages, {}
+        for (take, _), message in messages.items():
+            self._call(functools.partial(take, message))
 
     def _call_listeners(self) -> None:
         """Tells of connections, and once more in a while if a listener cannot subscribe now."""

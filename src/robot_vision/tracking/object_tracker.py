@@ -11,7 +11,7 @@ from ..common.plain_text import to_ascii
 from ..common.throttle import Throttle
 from ..msg import DetectionArray, Flow, TrackStateArray
 from ..ros.configs import ObjectTrackerConfig
-from ..ros.context import current
+from ..ros.context import MESSAGE_QUEUE, current
 from ..ros.image_node import INPUT_TIMEOUT, ImageNode, silence_text
 from ..ros.live_params import LiveParams, filled
 from ..ros.messages import detection_array
@@ -64,7 +64,11 @@ class ObjectTracker:
             if config["auto_select"] and self._detections is None:
                 self._auto.clear()
                 self._detections = current().subscriber(
-                    "detections", DetectionArray, self._auto.add, queue_size=10, tcp_nodelay=True
+                    "detections",
+                    DetectionArray,
+                    self._auto.add,
+                    queue_size=MESSAGE_QUEUE,
+                    tcp_nodelay=True,
                 )
             elif not config["auto_select"] and self._detections is not None:
                 current().close(self._detections.unregister)

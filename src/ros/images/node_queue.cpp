@@ -88,6 +88,7 @@ std::optional<NodeQueue::Delivery> NodeQueue::next(double timeout_s)
     if (!running() || connections_->changed) return std::nullopt;
     std::optional<Delivery> delivery = takeNext();
     if (delivery) return running() ? std::move(delivery) : std::nullopt;
+    if (interrupted_.exchange(false)) return std::nullopt;
   } while (waker_->waitUntil(deadline));
   return std::nullopt;
 }
@@ -108,6 +109,12 @@ std::optional<NodeQueue::Delivery> NodeQueue::takeNext()
     if (image) return Delivery{subscriber, std::move(*image)};
   }
   return std::nullopt;
+}
+
+void NodeQueue::interrupt()
+{
+  interrupted_ = true;
+  waker_->wake();
 }
 
 void NodeQueue::noteConnections()

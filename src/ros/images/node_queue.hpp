@@ -53,8 +53,11 @@ public:
   };
 
   /// Takes the newest image of a subscriber, in turn if several have one. Waits at most `timeout_s`. The result is
-  /// empty if no image came, if connections have changed, or if the queue is closed. To be called by one thread only.
+  /// empty if no image came, if connections have changed, if it was interrupted, or if the queue is closed. To be
+  /// called by one thread only.
   std::optional<Delivery> next(double timeout_s);
+  /// Has next() return as soon as there is no image to take, for other work of its thread.
+  void interrupt();
   /// False once the queue is closed, by close(), with its process, or by a shutdown request (rosnode kill).
   bool running() const { return !closed_ && !ros::isShuttingDown(); }
   /// Acts as if subscribers had come or gone and wakes the thread in next(); for topics of the other client library.
@@ -94,6 +97,7 @@ private:
   const std::string node_;
   const std::string diagnostics_topic_;
   std::atomic<bool> closed_{false};
+  std::atomic<bool> interrupted_{false};
   std::shared_ptr<Waker> waker_ = std::make_shared<Waker>();
   std::shared_ptr<Connections> connections_ = std::make_shared<Connections>();
   WakingQueue<Wake> queue_;  // of camera_info
