@@ -51,5 +51,24 @@ TEST(FrameStatistics, reportsAreOfThePeriodAndTotalsOfAll)
   EXPECT_EQ(report(), "no frames on /image" + totals);
 }
 
+TEST(FrameStatistics, isSilentOnlyWhileAFrameIsWaitedFor)
+{
+  FrameStatistics statistics;
+  statistics.setRunning("/image");
+  const auto report = [&]
+  {
+    Status status;
+    statistics.report(status);
+    return status.message;
+  };
+  EXPECT_EQ(report(), "no frames on /image");
+  statistics.received(1);
+  statistics.setWaiting(false);
+  for (int turn = 0; turn < 3; ++turn)
+    EXPECT_EQ(report(), "running on /image");
+  statistics.setWaiting(true);
+  EXPECT_EQ(report(), "no frames on /image");
+}
+
 }  // namespace
 }  // namespace robot_vision

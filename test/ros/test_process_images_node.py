@@ -169,6 +169,24 @@ def test_the_newest_message_of_each_sender_is_taken():
     context.end()
 
 
+def test_a_node_that_works_on_a_frame_is_not_silent(source, diagnostics):
+    rospy.set_param("/busy", {"diagnostic_period": 0.05, "always_subscribe": True})
+    context = LoadedContext("/busy", {"/image": source.topic}, print)
+    begun, go_on = threading.Event(), threading.Event()
+    with active(context):
+        ImageNode(lambda _: (begun.set(), go_on.wait(support.DEADLINE))).start()
+    source.wait_for()
+    source.send(message(IMAGE, "bgr8"))
+    assert begun.wait(support.DEADLINE)
+    running, silent = f"running on {source.topic}", f"no frames on {source.topic}"
+    support.wait_for(lambda: diagnostics.next("busy").message == running, "the frame")
+    assert [diagnostics.next("busy").message for _ in range(3)] == [running] * 3
+    go_on.set()
+    support.wait_for(lambda: diagnostics.next("busy").message == silent, "silence")
+    context.end()
+    rospy.delete_param("/busy")
+
+
 def test_a_callback_that_fails_is_the_error_of_its_node_alone(source, log):
     bad = ImageTaker("/bad", source.topic, work=lambda _: 1 / 0)
     good = ImageTaker("/good", source.topic)

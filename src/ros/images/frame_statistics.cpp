@@ -38,6 +38,12 @@ void FrameStatistics::received(std::uint32_t sequence)
   ++period_.received;
 }
 
+void FrameStatistics::setWaiting(bool waits)
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  waits_ = waits;
+}
+
 void FrameStatistics::resumed()
 {
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -112,7 +118,7 @@ FrameStatistics::Report FrameStatistics::takeReport()
 {
   const std::lock_guard<std::mutex> lock(mutex_);
   const Clock::time_point now = Clock::now();
-  const bool is_silent = period_.received == 0 && !silence_.empty();
+  const bool is_silent = period_.received == 0 && waits_ && !silence_.empty();
   if (!is_silent)
   {
     last_active_ = now;

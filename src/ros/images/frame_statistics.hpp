@@ -24,6 +24,9 @@ public:
 
   /// A frame was received; `sequence` is the sender's number for it. Gaps in the numbers count as dropped frames.
   void received(std::uint32_t sequence);
+  /// Whether the thread that takes the frames waits for one, as it does at first. While it works on one, nothing is
+  /// known of what the sender does.
+  void setWaiting(bool waits);
   /// The numbers of the frames to come are not related to those before.
   void resumed();
   /// A frame was received that cannot be used.
@@ -31,7 +34,8 @@ public:
   /// The result of a frame was published; its processing started at `begin`, and `stamp` is its time of capture.
   void published(Clock::time_point begin, const ros::Time& stamp);
   /// Sets the state to report: a text such as "idle: nobody subscribes" and the `level` of diagnostic_msgs. If no frame
-  /// has come since the last report, the warning `silence` is reported instead, unless it is empty.
+  /// has come since the last report, though one is waited for, the warning `silence` is reported instead, unless it is
+  /// empty.
   void setState(unsigned char level, const std::string& text, const std::string& silence = "");
   /// The states of a node that processes the images of a topic.
   void setRunning(const std::string& topic);
@@ -87,11 +91,12 @@ private:
   Period period_;
   bool has_sequence_ = false;
   std::uint32_t last_sequence_ = 0;
+  bool waits_ = true;
   Totals totals_;
   unsigned char level_ = 0;
   std::string state_ = "starting";
   std::string silence_;
-  Clock::time_point last_active_ = Clock::now();  // time of the last report of a period with frames
+  Clock::time_point last_active_ = Clock::now();  // time of the last report that was not of silence
   bool silence_reported_ = false;
   std::string last_error_ = "none";
   std::function<std::uint64_t()> unshared_;

@@ -156,6 +156,7 @@ std::shared_ptr<ProcessFrame> LatestImageSubscriber::takeNewest(ReceivedImage& r
 
 std::optional<ReceivedImage> LatestImageSubscriber::take()
 {
+  statistics_->setWaiting(true);
   if (const std::shared_ptr<ProcessImages> open = images()) open->receive();
   ReceivedImage received;
   const std::shared_ptr<ProcessFrame> frame = takeNewest(received);
@@ -175,6 +176,7 @@ std::optional<ReceivedImage> LatestImageSubscriber::take()
     refuse(message, e.what());
     return std::nullopt;
   }
+  statistics_->setWaiting(false);
   return received;
 }
 
