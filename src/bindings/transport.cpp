@@ -58,13 +58,12 @@ ros::Time stampOf(std::uint32_t secs, std::uint32_t nsecs)
   return stamp;
 }
 
-void publish(PooledImagePublisher& outbox, const py::array& pixels, const std::string& encoding, std::uint32_t seq,
-             std::uint32_t secs, std::uint32_t nsecs, const std::string& frame_id)
+void publish(PooledImagePublisher& outbox, const py::array& pixels, const std::string& encoding, std::uint32_t secs,
+             std::uint32_t nsecs, const std::string& frame_id)
 {
   const py::array packed = anyImage(pixels);
   const cv::Mat view = viewOf(packed);
   std_msgs::Header header;
-  header.seq = seq;
   header.stamp = stampOf(secs, nsecs);
   header.frame_id = frame_id;
   const LeaveGil unlocked;
@@ -143,7 +142,7 @@ PYBIND11_MODULE(_transport, m)
   py::class_<PooledImagePublisher, std::shared_ptr<PooledImagePublisher>>(m, "Outbox")
       .def("close", &PooledImagePublisher::close, CallsMaster())
       .def("subscribers", &PooledImagePublisher::subscribers, Unlocked())
-      .def("publish", publish, "pixels"_a, "encoding"_a, "seq"_a, "secs"_a, "nsecs"_a, "frame_id"_a);
+      .def("publish", publish, "pixels"_a, "encoding"_a, "secs"_a, "nsecs"_a, "frame_id"_a);
   py::class_<NodeQueue, std::shared_ptr<NodeQueue>>(m, "Queue")
       .def("inbox", makeInbox, "topic"_a, "transport"_a, "parameters"_a, "encoding"_a, "camera_info_topic"_a,
            "diagnostics"_a, CallsMaster(), py::keep_alive<0, 1>())

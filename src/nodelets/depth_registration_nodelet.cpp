@@ -79,7 +79,7 @@ public:
     header.frame_id = frame.color_info->header.frame_id;
     if (info) publishInfo(*frame.color_info, header, outputs);
     if (!image && !points) return info;
-    const sensor_msgs::ImageConstPtr seen = registered(frame, header);
+    const sensor_msgs::ImagePtr seen = registered(frame, header);
     if (image) outputs.publishImage(image_, seen);
     const bool is_counted = info || image;
     return (points && points_.add(seen, cameras_.points(), *frame.statistics, !is_counted)) || is_counted;
@@ -104,7 +104,7 @@ private:
     return true;
   }
 
-  sensor_msgs::ImageConstPtr registered(const RegistrationFrame& frame, const std_msgs::Header& header)
+  sensor_msgs::ImagePtr registered(const RegistrationFrame& frame, const std_msgs::Header& header)
   {
     const std::string& encoding = frame.depth->encoding;
     const sensor_msgs::ImagePtr message = pool_.take(cameras_.colorSize(), DepthRegistration::outputEncoding(encoding));

@@ -62,6 +62,33 @@ sensor_msgs::ImagePtr ImageMaker::make(const Fill& fill)
 using namespace robot_vision;
 using sensor_msgs::CameraInfoConstPtr;
 
+TEST(LazyOutputs, imagesAreNumberedOnTheirTopic)
+{
+  LazyOutputs outputs(ros::NodeHandle("/numbers"), [] {});
+  outputs.advertiseImages("image");
+  const Receiver<sensor_msgs::Image> receiver("/numbers/image");
+  ASSERT_TRUE(waitFor([&] { return outputs.isWanted("image"); }));
+  const auto fill = [](cv::Mat& pixels)
+  {
+    pixels.create(4, 6, CV_8UC1);
+    return "mono8";
+  };
+  std_msgs::Header header;
+  const auto expectNumber = [&](std::uint32_t number)
+  {
+    ASSERT_TRUE(waitFor([&] { return receiver.seconds().size() == number; }));
+    EXPECT_EQ(receiver.last()->header.seq, number);
+  };
+  for (std::uint32_t number = 1; number <= 3; ++number)
+  {
+    header.seq += 3;  // of images of which some were left out
+    outputs.publishImage("image", header, fill);
+    expectNumber(number);
+  }
+  outputs.publishImage("image", boost::make_shared<sensor_msgs::Image>(*receiver.last()));
+  expectNumber(4);
+}
+
 TEST(Filter, aStepIsMadeIntoAMessageOnlyWhileSomebodyLooksAtIt)
 {
   ros::param::set("/filter/chain", "gaussian, resize");

@@ -12,7 +12,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from frames import Source, message, new_topic, noise
 from loaded_contexts import ImageTaker
 from sensor_msgs.msg import CompressedImage, Image
-from std_msgs.msg import String
+from std_msgs.msg import Header, String
 
 from robot_vision.ros.context import LoadedContext, active, current
 from robot_vision.ros.image_node import ImageNode
@@ -185,6 +185,19 @@ def test_a_node_that_works_on_a_frame_is_not_silent(source, diagnostics):
     support.wait_for(lambda: diagnostics.next("busy").message == silent, "silence")
     context.end()
     rospy.delete_param("/busy")
+
+
+def test_images_are_numbered_on_their_topic():
+    """So gaps in the numbers of those that they were made from are no gaps of theirs."""
+    taker = ImageTaker("/taker", new_topic())
+    publisher = ImagePublisher(taker.images.topic)
+    support.wait_for(publisher.get_num_connections, "the subscription")
+    for count, seq in enumerate((1, 4, 7), 1):
+        publisher.publish(IMAGE, "bgr8", Header(seq=seq))
+        taker.wait(count)
+    assert [frame.header.seq for frame in taker.received] == [1, 2, 3]
+    assert taker.images.dropped == 0
+    publisher.unregister()
 
 
 def test_a_callback_that_fails_is_the_error_of_its_node_alone(source, log):

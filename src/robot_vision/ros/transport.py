@@ -255,15 +255,15 @@ class ImagePublisher:
         Args:
             image: (height, width) or (height, width, channels) array of the encoding's type.
             encoding: The encoding of the pixels, as in sensor_msgs/image_encodings.
-            header: The header of the image that this one was made from. None stamps it with the
-                present time.
+            header: The header of the image that this one was made from, whose number is replaced
+                by that of the image on the topic. None stamps it with the present time.
 
         Raises:
             ValueError, TypeError: The array is not an image of this encoding.
         """
         header = header or Header(stamp=rospy.Time.now())
         stamp = header.stamp
-        self._outbox.publish(image, encoding, header.seq, stamp.secs, stamp.nsecs, header.frame_id)
+        self._outbox.publish(image, encoding, stamp.secs, stamp.nsecs, header.frame_id)
 
     def unregister(self) -> None:
         """Stops publishing."""

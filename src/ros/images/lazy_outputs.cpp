@@ -62,12 +62,18 @@ void LazyOutputs::publishImage(const std::string& name, const std_msgs::Header& 
   const std::shared_ptr<ImageTopic> images = output(name).images;  // stays while it is used
   const sensor_msgs::ImagePtr message = images->maker.make(fill);
   message->header = header;
-  images->publisher.publish(sensor_msgs::ImageConstPtr(message));
+  publish(*images, message);
 }
 
-void LazyOutputs::publishImage(const std::string& name, const sensor_msgs::ImageConstPtr& message)
+void LazyOutputs::publishImage(const std::string& name, const sensor_msgs::ImagePtr& message)
 {
-  output(name).images->publisher.publish(message);
+  publish(*output(name).images, message);
+}
+
+void LazyOutputs::publish(ImageTopic& images, const sensor_msgs::ImagePtr& message)
+{
+  message->header.seq = ++images.published;
+  images.publisher.publish(sensor_msgs::ImageConstPtr(message));
 }
 
 void LazyOutputs::add(const std::string& name, Output output)

@@ -5,6 +5,7 @@
 #include <std_msgs/Header.h>
 
 #include <boost/shared_ptr.hpp>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
@@ -53,11 +54,12 @@ public:
   /// The frames of all topics that were not published over shm for want of memory.
   std::uint64_t unshared() const;
 
-  /// Publishes the image that `fill` writes (see ImageMaker) with this header.
+  /// Publishes the image that `fill` writes (see ImageMaker) with this header, but for the number: images are numbered
+  /// here, as roscpp does so only for those of other processes.
   void publishImage(const std::string& name, const std_msgs::Header& header, const ImageMaker::Fill& fill);
 
-  /// Publishes an image that is there, which must not change afterwards: subscribers in the process share it.
-  void publishImage(const std::string& name, const sensor_msgs::ImageConstPtr& message);
+  /// Numbers and publishes an image, which must not change afterwards: subscribers in the process share it.
+  void publishImage(const std::string& name, const sensor_msgs::ImagePtr& message);
 
   /// Publishes a message, which must not change afterwards: subscribers in the process share it.
   template <class Message>
@@ -74,6 +76,7 @@ private:
     image_transport::Publisher publisher;
     std::shared_ptr<SharedTopic> shared;
     ImageMaker maker;
+    std::uint32_t published = 0;  // number of images
   };
 
   struct Output
@@ -83,6 +86,7 @@ private:
     std::shared_ptr<ImageTopic> images;        // null for other messages
   };
 
+  static void publish(ImageTopic& images, const sensor_msgs::ImagePtr& message);
   void add(const std::string& name, Output output);
   Output output(const std::string& name) const;
 

@@ -47,6 +47,7 @@ void PooledImagePublisher::publish(const cv::Mat& pixels, const std::string& enc
   if (publisher_.getNumSubscribers() == 0) return;
   const sensor_msgs::ImagePtr message = pool_.take(pixels.size(), encoding);
   message->header = header;
+  message->header.seq = ++published_;
   cv::Mat target = writablePixels(*message);
   pixels.copyTo(target);
   publisher_.publish(sensor_msgs::ImageConstPtr(message));

@@ -3,6 +3,7 @@
 #include <image_transport/image_transport.h>
 #include <std_msgs/Header.h>
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -32,8 +33,9 @@ public:
   std::uint32_t subscribers() const;
   const std::shared_ptr<SharedTopic>& sharedTopic() const { return shared_topic_; }
 
-  /// Publishes a copy of the pixels if there are subscribers. Throws std::invalid_argument naming what was expected if
-  /// the pixels cannot be an image of this encoding (any that cv_bridge knows).
+  /// Publishes a copy of the pixels if there are subscribers. The number in the header is replaced by that of the image
+  /// on the topic, which roscpp gives only to those of other processes. Throws std::invalid_argument naming what was
+  /// expected if the pixels cannot be an image of this encoding (any that cv_bridge knows).
   void publish(const cv::Mat& pixels, const std::string& encoding, const std_msgs::Header& header);
 
 private:
@@ -42,6 +44,7 @@ private:
   mutable std::mutex mutex_;  // guards all below
   image_transport::Publisher publisher_;
   ImagePool pool_;
+  std::uint32_t published_ = 0;  // number of images
 };
 
 }  // namespace robot_vision
