@@ -326,7 +326,7 @@ def test_a_camera_that_does_not_fit_is_named(start):
 def test_a_camera_without_calibration_is_on_diagnostics(start):
     studio = DepthStudio(start, "_diagnostic_period:=0.01")
     diagnostics = support.Messages("/diagnostics", DiagnosticArray)
-    studio.info = studio.depth_info = CameraInfo(width=640, height=480)
+    studio.info = CameraInfo(width=640, height=480)
     lack = f"no poses of tags: camera_info on {studio.topic.replace('image', 'camera_info')}: "
 
     def told():
@@ -335,7 +335,7 @@ def test_a_camera_without_calibration_is_on_diagnostics(start):
         return any(text.startswith(lack) for text in warnings)
 
     support.wait_for(told, lack)
-    studio.info = studio.depth_info = calibrated()
+    studio.info = calibrated()
     studio.show_both_until(is_fused, SCENERY, GOOD)
 
 
