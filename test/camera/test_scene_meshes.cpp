@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
+#include <opencv2/imgcodecs.hpp>
 
 #include "robot_vision/camera/open_source.hpp"
 #include "robot_vision/meshes/sample_meshes.hpp"
@@ -43,15 +43,15 @@ TEST(SceneMeshes, areRefusedWithTheNameOfTheOneThatIsWrong)
   EXPECT_EQ(refusalOf("/dev/null"), "meshes: /dev/null cannot be read: it is no file");
 }
 
-TEST(SceneMeshes, moveOnAtAnotherRateWithoutTheirFiles)
+TEST(SceneSource, movesOnAtAnotherRateWithoutItsFiles)
 {
   const TempFolder folder;
-  const std::filesystem::path file = folder.path() / "thing.off";
-  std::ofstream(file) << "OFF\n4 4 0\n0 0 0\n0.1 0 0\n0 0.1 0\n0 0 0.1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+  const std::filesystem::path file = folder.path() / "poster.png";
+  cv::imwrite(file.string(), cv::Mat(64, 64, CV_8UC3, cv::Scalar(10, 20, 30)));
   CaptureParams params;
   params.source = "synthetic";
-  params.scene = "tabletop";
-  params.meshes = file.string();
+  params.scene = "room";
+  params.poster = file.string();
   params.image_width = 128;
   params.image_height = 96;
   const std::unique_ptr<FrameSource> source = openSource(params);
@@ -60,7 +60,7 @@ TEST(SceneMeshes, moveOnAtAnotherRateWithoutTheirFiles)
   for (int number = 0; number < 6; ++number)
     ASSERT_EQ(source->read(frame), ReadResult::kFrame);
   ASSERT_TRUE(source->setRate(15.0));
-  EXPECT_EQ(source->description(), "synthetic scene (tabletop) 128x96 at 15 Hz");
+  EXPECT_EQ(source->description(), "synthetic scene (room) 128x96 at 15 Hz");
   ASSERT_EQ(source->read(frame), ReadResult::kFrame);
   EXPECT_EQ(frame.sequence, 6);
   EXPECT_EQ(frame.truth->frame, 3);
@@ -68,7 +68,7 @@ TEST(SceneMeshes, moveOnAtAnotherRateWithoutTheirFiles)
   slow.width = params.image_width;
   slow.height = params.image_height;
   slow.rate = 15.0;
-  EXPECT_EQ(frame.truth->camera.matrix, TabletopScene(slow).truth(3).camera.matrix);
+  EXPECT_EQ(frame.truth->camera.matrix, Scene(slow).truth(3).camera.matrix);
 }
 
 TEST(SceneMeshes, standOnTheTableOfTheSource)

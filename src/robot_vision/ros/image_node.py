@@ -9,7 +9,6 @@ import rospy
 from . import transport
 from .context import MESSAGE_QUEUE, SHARED_QUEUE, current
 from .listeners import listeners_elsewhere
-from .node_images import node_images
 from .params import read_param, review_params
 from .shared_threads import set_threads
 
@@ -123,7 +122,7 @@ class ImageNode:
             if self._subscribers:  # Otherwise the work has ended a moment ago.
                 callback(message)
 
-        note = functools.partial(node_images().note, take)
+        note = functools.partial(transport.node_images().note, take)
         self._inputs.append((name, kind, self._timed(name, note)))
 
     def image_subscriber(
