@@ -61,6 +61,7 @@ def test_nodes_and_nodelets_come_and_go_100_times(start, run_script):
     assert readings[-1][0] == CYCLES
     memory, threads, files = readings[2:, 1], readings[2:, 2], readings[2:, 3]
     # Single readings differ by frames on their way, of 0.2 MiB each, and by what is about to end.
-    assert min(memory[-4:]) - min(memory[:4]) < 2.0, memory
+    # In some of the first 50 cycles the allocator takes memory for threads.
+    assert min(memory[-3:]) - min(memory[3:6]) < 1.2, memory
     assert min(threads[-4:]) - min(threads[:4]) <= 1, threads
     assert min(files[-4:]) <= min(files[:4]), files
