@@ -90,9 +90,8 @@ struct TabletopScene::Table : Content
     {
       standing.emplace_back(mesh);
       const double height = std::round(1000.0 * standing.back().renderer.extent().size[2]) / 1000.0;  // m
-      if (height > kMaxHeight)
-        require(false, "mesh " + printable(mesh.name), toText(height) + " m tall",
-                "at most " + toText(kMaxHeight) + " m");
+      require(height <= kMaxHeight, "mesh " + printable(mesh.name), toText(height) + " m tall",
+              "at most " + toText(kMaxHeight) + " m");
       radii.push_back(standing.back().radius);
     }
     const std::vector<cv::Point2d> places = scene::placesOnTable(radii);

@@ -1,6 +1,6 @@
 """The node code_reader, which reads QR codes and bar codes."""
 
-from typing import Any, Dict, List
+from typing import Any, Dict, List, Optional
 
 import numpy as np
 import rospy
@@ -34,8 +34,7 @@ class CodeReader:
                 "zbar is older than 0.23.1: what is not ASCII in a QR code may be changed"
             )
         self._repeats = Repeats()
-        self._reader_params = CodeReaderParams()
-        self._reader = Reader(self._reader_params)
+        self._reader_params: Optional[CodeReaderParams] = None
         self._params = LiveParams(CodeReaderConfig, self._configure)
         self._node = ImageNode(self._process, encoding="mono8", idle=self._repeats.clear)
         self._codes = self._node.publisher("~codes", DetectionArray)

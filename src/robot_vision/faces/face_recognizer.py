@@ -14,7 +14,7 @@ from ..msg import Detection, DetectionArray, FaceIdentity, FaceIdentityArray
 from ..ros.configs import FaceRecognizerConfig
 from ..ros.context import current
 from ..ros.frame_pairs import FramePairs
-from ..ros.image_node import INPUT_TIMEOUT, ImageNode
+from ..ros.image_node import ImageNode
 from ..ros.live_params import LiveParams, filled
 from ..ros.messages import box_of, corners
 from ..ros.startup import run_node
@@ -72,7 +72,8 @@ class FaceRecognizer:
             self._identities.clear()
 
     def _on_frame(self, frame: Frame) -> Any:
-        missing, lack = self._node.missing(), self._lack()
+        missing = self._node.missing()
+        lack = missing or self._misfit()
         self._node.set_lack(lack)
         if missing:
             rospy.logwarn_throttle(10.0, f"{missing}: is there a face detector?")
@@ -88,15 +89,18 @@ class FaceRecognizer:
         if frame:
             self._node.go_on(frame, lambda: self._process(frame, faces))
 
-    def _lack(self, seconds: float = INPUT_TIMEOUT) -> str:
+    def _lack(self, seconds: float) -> str:
         """Returns why no faces are recognised, in words; empty if they are. Thread-safe.
 
         Args:
             seconds: How long an input may be silent.
         """
-        missing = self._node.missing(seconds)
-        if missing or not self._pairs.apart():
-            return missing
+        return self._node.missing(seconds) or self._misfit()
+
+    def _misfit(self) -> str:
+        """Returns, in words, that no images have the stamps of the faces; empty if some have."""
+        if not self._pairs.apart():
+            return ""
         image, faces = self._node.topic, self._faces_topic
         late = self._pairs.late_text(faces, image)
         return late or f"no images on {image} have the stamps of {faces}: is it another camera's?"
