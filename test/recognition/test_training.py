@@ -18,6 +18,7 @@ from robot_vision.recognition.database import (
     connection,
     models,
 )
+from robot_vision.recognition.database.blobs import store_blob
 from robot_vision.recognition.training_progress import TrainingProgress
 
 TOTAL = 20
@@ -72,6 +73,10 @@ class Method:
         made = Views(mesh, parameters, state)
         self.begun.append(made.done)
         return made
+
+    def check_model(self, data):
+        if not data.isalnum():
+            raise ValueError("the model is damaged")
 
 
 @pytest.fixture
@@ -305,10 +310,51 @@ def test_objects_without_a_mesh(run, path, method):
     code, out, err = run()
     assert (code, err) == (0, f"left out: {lack}\n") and "coke: LINEMOD: 20 views learned" in out
     code, _, err = run("--object_names", "[coke, bare]", "--force")
-    assert (code, err, len(method.begun)) == (1, f"training: {lack}\n", 1)
+    told = f"not learned: {lack}\ntraining: not all objects were learned\n"
+    assert (code, err, len(method.begun)) == (1, told, 2)
     code, _, err = run("--object_ids", "nothing")
     assert (code, err) == (1, f"training: there is no object 'nothing' in {path}\n")
     assert run("--object_ids", "missing")[0] == 0
+
+
+def test_what_has_no_mesh_leaves_other_pipelines(run, path):
+    one = add(path, "bare")
+    add(path, "coke", b"can")
+    text = """
+pipeline1: {type: LinemodTrainer, object_names: [bare]}
+pipeline2: {type: PpfTrainer, object_names: [coke]}
+"""
+    code, _, err = run(text=text)
+    lack = f"'bare' has no mesh: mesh_add.py {one.id[:8]} FILE --commit adds it"
+    assert code == 1 and err.splitlines()[0] == f"not learned: {lack}"
+    assert model(path, "coke", "PPF") is not None
+    with Database(path, write=True) as database, database.transaction():
+        database.objects.delete(database.objects.find("coke").id)
+    text = "pipeline1: {type: LinemodTrainer}\npipeline2: {type: PpfTrainer}"
+    code, _, err = run(text=text)
+    assert code == 1 and err.splitlines() == [
+        f"left out: {lack}",
+        f"left out: {lack}",
+        f"training: no object in {path} has a mesh that could be learned",
+    ]
+
+
+@pytest.mark.parametrize("damage", ["blobs SET data = x'00' WHERE sha256 =", "models SET data ="])
+def test_a_model_that_cannot_be_used_is_learned_anew(run, path, method, damage):
+    """Damaged in the database, or another program's with the right key."""
+    for name in ("coke", "twin"):
+        add(path, name, b"can")
+    assert run()[0] == 0 and len(method.begun) == 1, "the twin has what was learned of the other"
+    good = model(path, "coke").data
+    with Database(path, write=True) as database, database.transaction():
+        other = store_blob(database.models._connection, b"no model")
+    stored = hashlib.sha256(good).hexdigest()
+    with contextlib.closing(sqlite3.connect(path)) as file, file:
+        file.execute(f"UPDATE {damage} ?", [stored if "blobs" in damage else other])
+    code, out, err = run()
+    assert (code, err) == (0, "") and "LINEMOD: the model that is there is not used: " in out
+    assert [model(path, name).data for name in ("coke", "twin")] == [good, good]
+    assert "stays" in run()[1]
 
 
 def test_a_mesh_that_cannot_be_learned(run, path):

@@ -70,16 +70,22 @@ def run(arguments: argparse.Namespace) -> None:
     if not pipelines:
         raise ValueError(f"{file.path}: no pipeline in it learns anything")
     failures = _Failures()
+    empty = []  # databases in which a pipeline has found nothing to learn
     for pipeline in pipelines:
         path = database_of(arguments, pipeline, file.path)
         with Database(path, True, make=False) as database:
-            for task in _tasks(database, pipeline, failures):
+            tasks = _tasks(database, pipeline, failures)
+            if not tasks and pipeline.objects != MISSING:
+                empty.append(database.path)
+            for task in tasks:
                 try:
                     train(database, task, arguments.force)
                 except ValueError as error:
                     failures.tell(error)
     if failures.count:
         raise ValueError("not all objects were learned")
+    if len(empty) == len(pipelines):
+        raise ValueError(f"no object in {empty[0]} has a mesh that could be learned")
 
 
 class _Failures:
@@ -96,14 +102,16 @@ class _Failures:
 def _tasks(database: Database, pipeline: Pipeline, failures: _Failures) -> List[Task]:
     """Returns what is to be trained, after telling which objects have no mesh.
 
+    One that was named, and has none, is a failure.
+
     Raises:
-        ValueError: There is nothing, or an object that was named has no mesh.
+        ValueError: A parameter cannot be, or an object that was named is not there.
     """
     method = method_of(pipeline.method)
     known = {key: one for key, one in pipeline.parameters.items() if key in method.parameters}
     with about(pipeline.name):
         parameters = method.complete(known)
-    tasks, failed = [], failures.count
+    tasks = []
     for one in chosen_objects(database, pipeline):
         try:
             with about(title_of(one, method)):
@@ -112,12 +120,10 @@ def _tasks(database: Database, pipeline: Pipeline, failures: _Failures) -> List[
             failures.tell(error)
             continue
         lack = f"'{one.name}' has no mesh: mesh_add.py {one.id[:8]} FILE --commit adds it"
-        if task is None and pipeline.objects not in (ALL, MISSING):
-            raise ValueError(lack)
-        if task is None:
+        if task is not None:
+            tasks.append(task)
+        elif pipeline.objects in (ALL, MISSING):
             print(f"left out: {lack}", file=sys.stderr)
         else:
-            tasks.append(task)
-    if not tasks and pipeline.objects != MISSING and failures.count == failed:
-        raise ValueError(f"no object in {database.path} has a mesh that could be learned")
+            failures.tell(ValueError(lack))
     return tasks

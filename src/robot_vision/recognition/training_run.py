@@ -73,7 +73,7 @@ def train(database: Database, task: Task, force: bool) -> bool:
     """
     with about(task.title):
         key = task.key
-        there = None if force else database.models.with_key(key)
+        there = None if force else _made_of_the_same(database, task, key)
         if there is not None:
             return _adopt(database, task, there)
         trainer = _trainer(database, task, None if force else database.models.state(key))
@@ -95,12 +95,27 @@ def _set(database: Database, model: Model, progress: TrainingProgress) -> None:
             progress.tell(f"the model is not stored yet: {error}")
 
 
+def _made_of_the_same(database: Database, task: Task, key: str) -> Optional[Model]:
+    """Returns the object's model, else another one's, of this key, unless it cannot be used."""
+    own = database.models.entry(task.object.id, task.method.name)
+    try:
+        if own is not None and own.key == key:
+            there = database.models.of(task.object.id, task.method.name)
+        else:
+            there = database.models.with_key(key)
+        if there is not None:
+            task.method.check_model(there.data)
+        return there
+    except ValueError as error:
+        print(f"{task.title}: the model that is there is not used: {error}", flush=True)
+        return None
+
+
 def _adopt(database: Database, task: Task, there: Model) -> bool:
     """Takes a model that is made of the same, unless the object has it."""
-    own = database.models.of(task.object.id, task.method.name)
-    if own is not None and own.key == there.key:
+    if there.object_id == task.object.id:
         print(
-            f"{task.title}: nothing has changed, the model of {printable(own.added)} stays",
+            f"{task.title}: nothing has changed, the model of {printable(there.added)} stays",
             flush=True,
         )
         return False
