@@ -25,7 +25,14 @@ from robot_vision.recognition import (
     object_import,
     object_list,
 )
-from robot_vision.recognition.database import Database, Object, Observation, Session, Symmetry
+from robot_vision.recognition.database import (
+    Database,
+    Mesh,
+    Object,
+    Observation,
+    Session,
+    Symmetry,
+)
 from robot_vision.recognition.mesh_data import pack_mesh, unpack_mesh
 from robot_vision.recognition.symmetries import from_bop, parse_symmetries, to_bop, turns_of
 
@@ -365,6 +372,25 @@ def test_a_table_and_a_page(run, path, box_file, tmp_path):
     assert pixels.shape[1] > 400 and pixels.std() > 10
     code, _, err = run(object_list, "--html", page)
     assert code == 1 and f"{page} is there already; --force replaces it" in err
+
+
+def test_a_damaged_mesh_leaves_the_others_in_the_list(run, path, box_file, tmp_path):
+    for name in ("box", "can"):
+        add(run, name, box_file)
+    with Database(path, write=True) as database, database.transaction():
+        can = database.objects.find("can")
+        database.meshes.set(can.id, Mesh("a.ply", b"file", b"no mesh"))
+    code, out, err = run(object_list)
+    _, box, row = out.splitlines()
+    assert code == 1 and re.search(r"box  +box\.obj  \d+ x", box)
+    assert row.split() == [can.id, "can", "damaged", "-", "-", "-", "-"]
+    said = f"'can' {can.id[:8]}: it is no mesh: "
+    assert err.startswith(f"object_list.py: {said}") and len(err.splitlines()) == 1
+    page = tmp_path / "page.html"
+    code, _, err = run(object_list, "--html", page)
+    assert code == 1 and err.startswith(f"object_list.py: {said}")
+    text = page.read_text()
+    assert text.count("data:image/jpeg") == 1 and "<th>damaged</th><td>it is no mesh: " in text
 
 
 def test_a_sheet_of_views(run, path, box, box_file, tmp_path):

@@ -45,23 +45,34 @@ def list_objects(arguments: argparse.Namespace) -> None:
 
     Raises:
         OSError: The database cannot be read, or the page not be written.
-        ValueError: The database is damaged.
+        ValueError: Objects in it are damaged, which are told when all others are listed.
     """
     if arguments.html:
         require_replaceable(arguments.html, arguments.force, new_folders=True)
+    damaged: List[str] = []
     with open_database(arguments) as database:
         if arguments.html:
-            data = page_of(database).encode()
+            data = page_of(database, damaged).encode()
             make_folder(arguments.html)
             replace_file(arguments.html, data)
             print("written:", arguments.html)
-            return
-        rows = [HEAD] + [row_of(database, one) for one in database.objects.all()]
-        print("\n".join(table(rows)) if len(rows) > 1 else f"no objects in {database.path}")
+        else:
+            rows = [HEAD] + [row_of(database, one, damaged) for one in database.objects.all()]
+            print("\n".join(table(rows)) if len(rows) > 1 else f"no objects in {database.path}")
+    if damaged:
+        raise ValueError("; ".join(damaged))
 
 
-def row_of(database: Database, one: Object) -> Sequence[str]:
-    """Returns what the table says of an object."""
+def row_of(database: Database, one: Object, damaged: List[str]) -> Sequence[str]:
+    """Returns what the table says of an object, and adds to `damaged` what cannot be read of it."""
+    try:
+        return _row_of(database, one)
+    except ValueError as error:
+        damaged.append(f"'{printable(one.name)}' {one.id[:8]}: {error}")
+        return one.id, printable(one.name, 30), "damaged", *"-" * (len(HEAD) - 3)
+
+
+def _row_of(database: Database, one: Object) -> Sequence[str]:
     entry = database.meshes.entry(one.id)
     models = ", ".join(printable(model.method, 30) for model in database.models.entries_of(one.id))
     seen = database.observations.count(one.id)

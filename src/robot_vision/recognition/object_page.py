@@ -8,10 +8,13 @@ import numpy as np
 
 from .. import mesh_extent
 from ..common import opencv as cv2
+from ..common.plain_text import printable
 from ..meshes import mesh_sheet
 from .database import Database, Object
 from .mesh_data import unpack_mesh
 from .symmetries import symmetry_text
+
+Rows = List[Tuple[str, str]]  # the name and the text of each
 
 QUALITY = 85  # of the JPEGs, in percent
 STYLE = """
@@ -32,26 +35,41 @@ PAGE = """<!DOCTYPE html>
 """
 
 
-def page_of(database: Database) -> str:
-    """Returns a page that needs no other file.
-
-    Raises:
-        ValueError: The database is damaged.
-    """
+def page_of(database: Database, damaged: List[str]) -> str:
+    """Returns a page that needs no other file, and adds to `damaged` what cannot be read."""
     objects = database.objects.all()
     count = f"{len(objects)} object{'s' * (len(objects) != 1)}"
     title = f"{count} in {html.escape(_shown(database.path))}"
-    sections = [_section(database, one) for one in objects]
+    sections = [_section(database, one, damaged) for one in objects]
     return PAGE.format(title=title, style=STYLE, body="\n".join(sections))
 
 
-def _section(database: Database, one: Object) -> str:
-    rows: List[Tuple[str, str]] = [
+def _section(database: Database, one: Object, damaged: List[str]) -> str:
+    rows: Rows = [
         ("description", one.description),
         ("tags", ", ".join(one.tags)),
         ("author", " ".join(filter(None, [one.author, one.email]))),
         ("added", one.added),
     ]
+    image = ""
+    try:
+        more, image = _learned_by(database, one)
+        rows += more
+    except ValueError as error:
+        damaged.append(f"'{printable(one.name)}' {one.id[:8]}: {error}")
+        rows.append(("damaged", str(error)))
+    cells = "\n".join(
+        f"<tr><th>{html.escape(name)}</th><td>{html.escape(_shown(value))}</td></tr>"
+        for name, value in rows
+        if value
+    )
+    name = f"<h2>{html.escape(one.name)} <code>{html.escape(one.id)}</code></h2>"
+    return f"<section>\n{name}\n{image}\n<table>\n{cells}\n</table>\n</section>"
+
+
+def _learned_by(database: Database, one: Object) -> Tuple[Rows, str]:
+    """Returns what there is of an object beside its document, and the image of its mesh or ""."""
+    rows: Rows = []
     image = ""
     entry = database.meshes.entry(one.id)
     if entry is not None:
@@ -63,17 +81,10 @@ def _section(database: Database, one: Object) -> str:
     for model in database.models.entries_of(one.id):
         rows.append((model.method, f"learned {model.added}"))
     seen = database.observations.count(one.id)
-    rows += [("observations", str(seen))] if seen else []
-    cells = "\n".join(
-        f"<tr><th>{html.escape(name)}</th><td>{html.escape(_shown(value))}</td></tr>"
-        for name, value in rows
-        if value
-    )
-    name = f"<h2>{html.escape(one.name)} <code>{html.escape(one.id)}</code></h2>"
-    return f"<section>\n{name}\n{image}\n<table>\n{cells}\n</table>\n</section>"
+    return rows + ([("observations", str(seen))] if seen else []), image
 
 
-def _mesh_rows(entry: Any, mesh: Any) -> List[Tuple[str, str]]:
+def _mesh_rows(entry: Any, mesh: Any) -> Rows:
     size = " x ".join(f"{1000.0 * side:.1f}" for side in np.asarray(mesh_extent(mesh).size))
     symmetries = ", ".join(map(symmetry_text, entry.symmetries))
     return [
