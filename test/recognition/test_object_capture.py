@@ -310,6 +310,15 @@ def test_what_is_there_is_only_replaced_or_added_to_if_that_is_said(
     assert not first.intersection(one.session_id for one in observations_in(path))
 
 
+def test_a_mesh_goes_with_the_views_that_it_was_made_of(run, path, folder, plate, monkeypatch):
+    words = ("thing", plate, "--folder", folder, "--views", 4, "--commit")
+    assert run(object_capture, *words)[0] == 0 and mesh_in(path) is not None
+    interrupt(monkeypatch, 2)
+    assert run(object_capture, *words, "--replace")[0] == 130
+    assert 0 < len(observations_in(path)) < 4 and mesh_in(path) is None
+    monkeypatch.undo()
+
+
 def interrupt(monkeypatch, count):
     """Has the next runs see this many frames, and then Ctrl-C."""
 

@@ -14,6 +14,7 @@ from .capture_mask import PixelRays, Space, metres_of, object_mask, sharpness, t
 from .capture_plate import Plate
 from .capture_sources import Images, Shot
 from .capture_views import View, ViewCollection
+from .captured_mesh import forget_mesh
 from .database import Database, Observation, Session
 from .plate_finder import PlateFinder
 
@@ -34,7 +35,8 @@ class CaptureRun:
         space: Where the object is above it.
         cameras: The cameras that the images may have, by their size; the first one tells which.
         views: Those that there are, which tell what is missing.
-        replace: Whether earlier sessions are deleted when the first view is stored.
+        replace: Whether earlier sessions, and the mesh that was made of them, are deleted when the
+            first view is stored.
         progress: What tells how far it is.
     """
 
@@ -150,6 +152,7 @@ class CaptureRun:
                 if self._replace:
                     for one in observations.sessions(session.object_id):
                         observations.delete_session(one.id)
+                    forget_mesh(database, session.object_id)
                 session = observations.add_session(session)
             observations.add(_observation(view, session.id))
         self._session = session  # which is there only now

@@ -25,6 +25,13 @@ def wants_mesh(database: Database, one: Object) -> bool:
     return entry is None or entry.file_name == CAPTURED
 
 
+def forget_mesh(database: Database, object_id: str) -> None:
+    """Deletes, within a transaction, a mesh that was made of observations which are no more."""
+    entry = database.meshes.entry(object_id)
+    if entry is not None and entry.file_name == CAPTURED:
+        database.meshes.delete(object_id)
+
+
 def make_mesh(database: Database, one: Object, floor: float) -> str:
     """Makes a mesh of an object's observations, stores it, and returns what there is to say.
 
