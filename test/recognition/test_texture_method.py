@@ -266,6 +266,23 @@ def test_what_of_an_object_cannot_be_used_is_told_and_the_others_are_there(
     )
 
 
+def test_what_cannot_be_learned_is_no_lack_where_another_method_knows_it(run, path, mesh):
+    """It has been captured without a mesh, or the mesh that was learned is no more."""
+    tea = add(path, "tea")
+    observe(path, tea, mesh, 10)
+    assert run()[0] == 0
+    with Database(path, write=True) as database, database.transaction():
+        database.models.set(Model(tea.id, "PPF", {}, "key", b"of a mesh that is no more"))
+    loaded = load_objects(path, [], ["LINEMOD", "PPF", "TOD"])
+    assert [sorted(one.models) for one in loaded.objects] == [["TOD"]]
+    assert (loaded.lacks, loaded.problem) == ([], "")
+    said = f"no object in {path} has a mesh to learn it by: mesh_add.py adds them"
+    assert load_objects(path, [], ["LINEMOD"]) == ([], [], said)
+    add(path, "cup", mesh)
+    loaded = load_objects(path, [], ["LINEMOD"])
+    assert loaded.problem == f"no object in {path} was learned by LINEMOD: training does it"
+
+
 def test_names_that_are_not_there_leave_the_others(run, path, mesh):
     tea = add(path, "tea", mesh)
     assert run()[0] == 0

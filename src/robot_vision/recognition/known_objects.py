@@ -12,7 +12,7 @@ from .database.meshes import MeshEntry, to_json
 from .database.models import ModelEntry
 from .found import KnownObject
 from .mesh_data import unpack_mesh
-from .methods import Method, method_of
+from .methods import method_of
 from .texture_method import box_around
 from .training_run import task_of
 
@@ -35,6 +35,7 @@ class _Part(NamedTuple):
     """What was loaded of an object: itself if it has a model, and what there is to warn of."""
 
     known: Optional[KnownObject]
+    can_be_learned: bool  # by one of the methods, as it has a mesh or observations
     lacks: List[str]  # what it was not learned by, or has changed since
     failures: List[str]  # what of it cannot be used
 
@@ -72,6 +73,8 @@ def load_objects(
         problem = f"no objects in {path}: object_add.py adds them"
     elif not objects and failures:
         problem = f"no object in {path} can be used: {failures[0]}"
+    elif not objects and not any(part.can_be_learned for part in parts):
+        problem = f"no object in {path} has a mesh to learn it by: mesh_add.py adds them"
     elif not objects:
         problem = f"no object in {path} was learned by {' or '.join(methods)}: training does it"
     return Loaded(objects, [] if problem else lacks, problem)
@@ -97,8 +100,9 @@ def _load(
     database: Database, one: Object, methods: Sequence[str], before: Optional[KnownObject]
 ) -> _Part:
     """Returns an object with those of its models that can be used, which may come from others."""
-    part = _Part(None, [], [])
-    entries = _entries(database, one, methods, part)
+    part = _Part(None, False, [], [])
+    entries, can_be_learned = _entries(database, one, methods, part)
+    part = part._replace(can_be_learned=can_be_learned)
     try:
         mesh = database.meshes.entry(one.id)
         made_of = _made_of(one, mesh, entries)
@@ -115,29 +119,36 @@ def _load(
 
 def _entries(
     database: Database, one: Object, methods: Sequence[str], part: _Part
-) -> List[ModelEntry]:
-    """Returns what methods have learned of an object, and adds what there is to tell of it."""
+) -> Tuple[List[ModelEntry], bool]:
+    """Returns what methods have learned of an object, and whether one of them can learn it.
+
+    What there is to tell of it is added to `part`. What was learned by a mesh that is no more is
+    left out.
+    """
     entries = []
+    can_be_learned = False
     for name in methods:
         try:
             entry = database.models.entry(one.id, name)
-            lack = _lack(database, one, method_of(name), entry)
+            task = task_of(database, one, method_of(name), entry.parameters if entry else {})
         except ValueError as error:
             part.failures.append(_unusable(one, name, error))
             continue
-        part.lacks.extend([lack] if lack else [])
-        entries += [] if entry is None else [entry]
-    return entries
-
-
-def _lack(database: Database, one: Object, method: Method, entry: Optional[ModelEntry]) -> str:
-    """Returns what there is to warn of what a method has learned of an object, or ""."""
-    if entry is None:
-        return f"'{one.name}' was not learned by {method.name}: training does it"
-    task = task_of(database, one, method, entry.parameters)
-    if task is None or task.key == entry.key:
-        return ""
-    return f"'{one.name}' has changed since {method.name} has learned it: training does it"
+        if task is None:
+            continue
+        can_be_learned = True
+        if entry is None:
+            part.lacks.append(f"'{one.name}' was not learned by {name}: training does it")
+            continue
+        if task.key != entry.key:
+            changed = f"'{one.name}' has changed since {name} has learned it: training does it"
+            part.lacks.append(changed)
+        entries.append(entry)
+    if not can_be_learned and not part.failures:
+        part.lacks.append(
+            f"'{one.name}' has no mesh to learn it by: mesh_add.py {one.id[:8]} FILE adds it"
+        )
+    return entries, can_be_learned
 
 
 def _models(
