@@ -1,5 +1,7 @@
 """Refining, verifying and recognizing objects from Python, on NumPy arrays."""
 
+import types
+
 import numpy as np
 import pytest
 from std_msgs.msg import Header
@@ -183,11 +185,27 @@ def test_markers_stay_until_the_next_image(monkeypatch):
     monkeypatch.setattr(recognition_markers, "time", clock)
     known = KnownObject("id", "thing", rv.sample_mesh("nut").mesh, None, np.ones((8, 3)), {})
     markers, lives = ObjectMarkers(), []
-    for seconds in (0.03, 0.03, 1.5, 600.0):
+    for seconds, idle in ((0.0, 0), (0.03, 0), (1.5, 0), (600.0, 0), (0.03, 0), (600.0, 1)):
         clock.now += seconds
+        if idle:
+            markers.end()
+        markers.note_image()
+        clock.now += 0.1  # while it is worked on
         found = [Found(known, np.eye(4), np.eye(6), 1.0)]
         lives.append({one.lifetime.to_sec() for one in markers.of(Header(), found).markers})
-    assert lives == [{0.5}, {0.5}, {3.0}, {20.0}]
+    assert lives == [{0.5}, {0.5}, {3.2}, {20.0}, {0.5}, {0.5}]
+
+
+def test_markers_are_of_the_rate_of_images_though_nobody_has_looked(monkeypatch):
+    clock = StillClock()
+    monkeypatch.setattr(recognition_markers, "time", clock)
+    known = KnownObject("id", "thing", rv.sample_mesh("nut").mesh, None, np.ones((8, 3)), {})
+    markers = ObjectMarkers()
+    for _ in range(300):
+        clock.now += 0.2
+        markers.note_image()
+    made = markers.of(Header(), [Found(known, np.eye(4), np.eye(6), 1.0)]).markers
+    assert {one.lifetime.to_sec() for one in made} == {0.5}
 
 
 def test_markers_of_objects_that_are_gone_are_not_kept(monkeypatch):
@@ -217,6 +235,54 @@ def test_the_range_of_distances_is_that_of_the_middle(shape):
     for distance, is_in_range in ((-0.6, False), (0.1, True), (2.1, True), (2.4, False)):
         pose[2, 3] = distance
         assert recognizer._is_in_range(0, pose) is is_in_range
+
+
+class Textures:
+    """A matcher by textures that has found these, (x, y, width, height) and a probability each."""
+
+    def __init__(self, *found):
+        self._found = found
+
+    def match(self, *_):
+        pose = pose_of((0.0, 0.0, 0.0), (0.0, 0.0, 0.5))
+        return [
+            types.SimpleNamespace(model=0, pose=pose, covariance=np.eye(6), box=box, probability=p)
+            for box, p in self._found
+        ]
+
+
+@pytest.mark.parametrize(
+    "found, kept",
+    [
+        ([((50, 60, 40, 30), 0.52), ((51, 58, 40, 31), 0.48)], [0.52]),  # two tilts
+        ([((50, 60, 40, 30), 0.5), ((52, 61, 40, 30), 0.9), ((48, 60, 40, 30), 0.6)], [0.9]),
+        ([((50, 60, 40, 30), 0.9), ((90, 60, 40, 30), 0.8)], [0.9, 0.8]),  # side by side
+        ([((50, 60, 40, 30), 0.9), ((65, 70, 40, 30), 0.8)], [0.9, 0.8]),  # half hidden
+        ([((-5, -5, 0, 0), 0.9), ((-5, -5, 0, 0), 0.3)], [0.9]),
+    ],
+)
+def test_what_has_no_mesh_is_found_once(shape, found, kept):
+    known = KnownObject("id", "tea", None, shape, np.zeros((8, 3)), {}, is_box=True)
+    params = RecognitionParams.defaults()
+    params.decision.threshold = 0.4
+    recognizer = Recognizer([known], params)
+    recognizer._of_textures, recognizer._textures = [0], Textures(*found)
+    there, told = recognizer.recognize(np.zeros((240, 320, 3), np.uint8), None, camera_of())
+    assert [one.probability for one in there] == kept
+    assert told == {"tea": f"found {len(kept)}, probability {kept[0]:.2f}"}
+
+
+def test_what_only_depths_would_find_says_so(bracket, shape):
+    """While others are looked for in the images alone."""
+    pairs = {"PPF": rv.train_point_pairs(bracket.mesh).to_bytes()}
+    objects = [
+        KnownObject("1", "part", bracket.mesh, shape, np.zeros((8, 3)), pairs),
+        KnownObject("2", "tea", None, shape, np.zeros((8, 3)), {}, is_box=True),
+    ]
+    recognizer = Recognizer(objects, RecognitionParams.defaults())
+    recognizer._of_textures, recognizer._textures = [1], Textures()
+    _, told = recognizer.recognize(np.zeros((240, 320, 3), np.uint8), None, camera_of())
+    assert told["part"] == "not recognized: what was learned of it needs depth"
 
 
 def test_depths_of_millimetres_and_arrays_with_gaps_will_do(scene, shape):

@@ -115,6 +115,7 @@ class ObjectRecognizer:
         self._missing_depth.end()
         self._tables_of.clear()
         self._numbers.clear()
+        self._markers_of.end()
         self._report.end()
 
     def _on_reload(self, _request: Any) -> TriggerResponse:
@@ -216,6 +217,7 @@ class ObjectRecognizer:
             for output in self._arrays:
                 output.publish(array)
         self._publish_looks(seen, self._detections.get_num_connections() > 0, self._shows())
+        self._markers_of.note_image()
         if self._markers.get_num_connections():
             self._markers.publish(self._markers_of.of(header, seen.found))
         if self._tf.is_wanted():

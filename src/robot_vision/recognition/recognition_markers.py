@@ -1,7 +1,7 @@
 """What was recognized as markers for rviz: the meshes themselves, which needs no file."""
 
 import time
-from typing import Dict, List, Sequence, Tuple
+from typing import Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 import rospy
@@ -28,13 +28,23 @@ class ObjectMarkers:
 
     def __init__(self) -> None:
         self._shapes: Dict[str, Tuple[Mesh, Marker]] = {}  # by the ids of objects; no header
-        self._last = time.monotonic()  # s, of the last image
+        self._last: Optional[float] = None  # s, of the last image
+        self._life = LIFETIME  # s
+
+    def note_image(self) -> None:
+        """Notes that there is an image: markers stay as long as it may take until the next one."""
+        now = time.monotonic()
+        period = 0.0 if self._last is None else now - self._last
+        self._life = min(max(LIFE * period, LIFETIME), MAX_LIFETIME)
+        self._last = now
+
+    def end(self) -> None:
+        """Notes that the next image may come at any time."""
+        self._last = None
 
     def of(self, header: Header, found: Sequence[Found]) -> MarkerArray:
-        """Returns a mesh and a text for each object that was found in an image."""
-        now = time.monotonic()
-        life = rospy.Duration(min(max(LIFE * (now - self._last), LIFETIME), MAX_LIFETIME))
-        self._last = now
+        """Returns a mesh and a text for each object that was found in the last image."""
+        life = rospy.Duration(self._life)
         made: List[Marker] = []
         for number, one in enumerate(found):
             for marker in (self._shape(one.object), _text(one)):

@@ -16,11 +16,16 @@ from .. import (
     RefinerParams,
     TextureMatchParams,
     VerifierParams,
+    outline_overlaps,
 )
 from .found import Found, KnownObject, Limits, are_same
 from .pair_method import PAIRS, pair_matcher
 from .texture_method import TEXTURES, texture_matcher
 from .view_method import VIEWS, view_matcher
+
+NEEDS_DEPTH = "not recognized: what was learned of it needs depth"
+SAME_PLACE = 0.5  # intersection over union of the boxes of two poses of one thing
+CORNERS = (0, 0), (1, 0), (1, 1), (0, 1)
 
 
 class RecognitionParams(NamedTuple):
@@ -74,6 +79,8 @@ class Recognizer:
         self._textures, self._of_textures = self._matcher(
             TEXTURES.name, kept, texture_matcher, params.textures, params.errors
         )
+        without_depth = {*self._of_views, *self._of_textures}
+        self._blind = [index for index in self._of_pairs if index not in without_depth]
         self._threshold = params.decision.threshold
         self._frame: Optional[RecognitionFrame] = None
         self._camera: Optional[CameraModel] = None
@@ -128,6 +135,8 @@ class Recognizer:
             for one in made.objects
         ]
         told = {self._titles[one.model]: _told(one) for one in made.reports}
+        if depth is None:
+            told.update((self._titles[index], NEEDS_DEPTH) for index in self._blind)
         found += self._unverified(textured, told)
         return found if limits is None else self._within(limits, found, told), told
 
@@ -157,7 +166,7 @@ class Recognizer:
         for index, known in enumerate(self._objects):
             if not known.is_box:
                 continue
-            there = [one for of, one in textured if of == index]
+            there = _once([one for of, one in textured if of == index])
             best = max((one.probability for one in there), default=0.0)
             own = [
                 Found(known, one.pose, one.covariance, one.probability)
@@ -195,6 +204,26 @@ def _titles(objects: Sequence[KnownObject]) -> List[str]:
     return [
         one.name if names.count(one.name) == 1 else f"{one.name} {one.id[:8]}" for one in objects
     ]
+
+
+def _once(found: Sequence[Any]) -> List[Any]:
+    """Returns what was found of an object without what is where something more probable is.
+
+    Such are both tilts of a flat label that is seen from afar, and poses of one thing by different
+    keypoints. No mesh tells which of them is right.
+    """
+    kept: List[Any] = []
+    for one in sorted(found, key=lambda one: -one.probability):
+        shared = (outline_overlaps(_outline(one.box), _outline(other.box))[0] for other in kept)
+        if all(share <= SAME_PLACE for share in shared):
+            kept.append(one)
+    return kept
+
+
+def _outline(box: Sequence[int]) -> np.ndarray:
+    """Returns the corners, (4, 2), of a box in the image, which is a pixel wide and high at least."""
+    x, y, width, height = box
+    return np.array([x, y]) + np.array(CORNERS) * (max(width, 1), max(height, 1))
 
 
 def _renumbered(candidates: Sequence[Any], objects: Sequence[int]) -> List[Any]:
