@@ -725,6 +725,33 @@ def test_detection_tells_what_it_cannot_use(start, tmp_path, kitchen):
     )
 
 
+def test_what_a_file_has_set_is_gone_with_the_next_one(start, tmp_path):
+    """But not what was typed."""
+    database = tmp_path / "objects.db"
+    add(database, "duck")
+    source = f"""
+source1:
+  type: RosKinect
+  parameters: {{rgb_image_topic: /eye/image_rect, crop_enabled: true, x_max: 0.25}}
+pipeline1: {{type: TabletopObjectDetector, object_names: [duck], db: {{root: {database}}}}}
+"""
+    first, second = tmp_path / "first.ork", tmp_path / "second.ork"
+    first.write_text(source)
+    second.write_text("pipeline1: {type: TabletopTableDetector}\n")
+    process = start("detection", "-c", first, "_threshold:=0.25")
+    assert process.exit_code() == 1, "there is no model"
+    left = rospy.get_param("/object_recognition")
+    assert left["crop"] and left["x_max"] == 0.25 and left["objects"] and left["on_tables"]
+    assert left["rectified"] and left["needs_models"]
+    start("detection", "-c", second, "image:=/eye/image_raw")
+    rospy.wait_for_service("/object_recognition/save_parameters", support.DEADLINE)
+    known = rospy.get_param("/object_recognition")
+    assert known["threshold"] == 0.25
+    assert (known["crop"], known["x_max"], known["objects"]) == (False, 1.0, "")
+    assert (known["on_tables"], known["rectified"]) == (False, False)
+    assert "needs_models" not in known and "database" not in known
+
+
 def test_information(start, kitchen, table):
     Eyes(start, table, kitchen)
     service = "/object_recognizer/get_object_info"

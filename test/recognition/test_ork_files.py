@@ -292,10 +292,19 @@ def test_a_method_that_looks_for_objects_of_others_is_told(tmp_path, capsys, pip
         ("[coke, 4680aac5]", ["coke", "4680aac5"]),
         ('["coke"]', ["coke"]),
         (["coke"], ["coke"]),
+        ("[468, 012, coke]", ["468", "012", "coke"]),
+        ("46803127", ["46803127"]),
     ],
 )
 def test_which_objects(value, choice):
     assert object_choice(value, "object_ids") == choice
+
+
+@pytest.mark.parametrize("value", [[468, "coke"], "{coke: 1}", "[[coke]]", ""])
+def test_which_objects_must_be_texts(value):
+    """YAML has made numbers of digits in a file: with a 0 in front these are other ones."""
+    with pytest.raises(ValueError, match=r"must be 'all', .* digits alone in quotes"):
+        object_choice(value, "object_ids")
 
 
 def test_objects_are_chosen_from_the_database(tmp_path):

@@ -247,9 +247,9 @@ AT_START = {
         "max_bag_size": lambda _: False,
     },
 }
-# Parameters that are read later, when values are saved or periodically, or only make a difference
-# with a database, have their own tests.
-LATER = {"config_file", "cameras", "needs_models"}
+# Parameters that are read later, when values are saved or periodically, only make a difference with
+# a database, or are a command's, have their own tests.
+LATER = {"config_file", "cameras", "needs_models", "set_by_file"}
 # These read all live parameters, those of a color, all of a camera, and what others ask for.
 ASK_BY_VARIABLE = {
     "params.py",

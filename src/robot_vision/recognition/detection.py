@@ -1,18 +1,20 @@
 """The command detection, which recognizes objects as an .ork file says, until Ctrl-C."""
 
 import argparse
+import contextlib
 import sys
 from typing import List, Optional, Sequence, Set
 
 import rospy
 
 from ..common.commands import run_command
+from ..ros.params import read_param
 from ..ros.startup import run_node
 from .database import Database
 from .database_arguments import database_parser
 from .object_recognizer import ObjectRecognizer
 from .ork_file import read_ork
-from .ork_node import node_words, parameter_word, with_typed
+from .ork_node import node_words, parameter_word, set_by, with_typed
 from .ork_pipelines import (
     ALL,
     MISSING,
@@ -40,10 +42,31 @@ def main() -> int:
     code = run_command(PROGRAM, lambda: words.extend(words_of(arguments)))
     if code:
         return code
-    sys.argv[1:] = with_typed(words, [word for word in sys.argv[1:] if ":=" in word])
+    typed = [word for word in sys.argv[1:] if ":=" in word]
+    sys.argv[1:] = with_typed(words, typed)
     rospy.names.reload_mappings(sys.argv)  # rospy has read them when it was imported.
-    run_node(arguments.node_name, ObjectRecognizer)
+    by_file = set_by(sys.argv[1:]) - set_by(typed)
+
+    def start() -> ObjectRecognizer:
+        _forget_earlier(by_file, set_by(typed))
+        return ObjectRecognizer()
+
+    run_node(arguments.node_name, start)
     return 0
+
+
+def _forget_earlier(by_file: Set[str], typed: Set[str]) -> None:
+    """Deletes what the file of an earlier run has left on the parameter server.
+
+    Args:
+        by_file: The private parameters that are of the file now.
+        typed: Those of the command line.
+    """
+    earlier = set(read_param("set_by_file", "").split(",")) - {""}
+    for name in earlier - by_file - typed:
+        with contextlib.suppress(KeyError):
+            rospy.delete_param("~" + name)
+    rospy.set_param("~set_by_file", ",".join(sorted(by_file)))
 
 
 def parse_arguments(command: Sequence[str]) -> argparse.Namespace:

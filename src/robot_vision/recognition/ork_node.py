@@ -1,7 +1,7 @@
 """What an .ork file for detection means for the node object_recognizer: words of a command line."""
 
 import json
-from typing import Any, Dict, List, Mapping, Sequence
+from typing import Any, Dict, List, Mapping, Sequence, Set
 
 from ..common.plain_text import brief, printable
 from ..ros.transport import camera_info_beside
@@ -58,6 +58,13 @@ def with_typed(words: Sequence[str], typed: Sequence[str]) -> List[str]:
         if "rect" in topics[-1].rsplit("/", 1)[-1]:
             rectified.append(parameter_word(parameter, True))
     return [*words, *rectified, *typed]
+
+
+def set_by(words: Sequence[str]) -> Set[str]:
+    """Returns the names of the private parameters that words of a command line set."""
+    return {
+        word[1:].partition(":=")[0] for word in words if word.startswith("_") and word[1] != "_"
+    }
 
 
 def parameter_word(name: str, value: Any) -> str:

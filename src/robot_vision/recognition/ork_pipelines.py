@@ -1,11 +1,13 @@
 """What the pipelines of an .ork file ask for: a method, objects, a database and parameters."""
 
 from dataclasses import dataclass
-from typing import Any, Dict, List, Mapping, Sequence
+from typing import Any, Dict, List, Mapping, Optional, Sequence
+
+import yaml
 
 from ..common.errors import about
 from ..common.plain_text import brief, printable
-from ..common.yaml_text import load_yaml
+from ..common.yaml_text import compose_yaml, load_yaml
 from .database import Database, Object
 from .ork_file import Cell, OrkFile
 
@@ -93,13 +95,21 @@ def object_choice(value: Any, where: str) -> Any:
     """
     if isinstance(value, str) and value not in (ALL, MISSING):
         with about(where):
-            value = load_yaml(value)
+            value = _texts(compose_yaml(value))
     if isinstance(value, str) and value not in (ALL, MISSING):
         value = [value]
     is_list = isinstance(value, list) and all(isinstance(one, str) for one in value)
     if value not in (ALL, MISSING) and not is_list:
-        raise ValueError(f"{where} is {brief(value)}, must be 'all', 'missing' or a list of texts")
+        what = "'all', 'missing' or a list of texts, with what has digits alone in quotes"
+        raise ValueError(f"{where} is {brief(value)}, must be {what}")
     return value
+
+
+def _texts(node: Optional[yaml.Node]) -> Any:
+    """Returns the text of a scalar, which may be of digits alone, or a list of those of a list."""
+    if isinstance(node, yaml.SequenceNode):
+        return [one.value for one in node.value]
+    return None if node is None else node.value
 
 
 def _pipeline(cell: Cell, warnings: List[str]) -> Pipeline:

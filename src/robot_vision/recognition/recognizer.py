@@ -221,7 +221,7 @@ def _once(found: Sequence[Any]) -> List[Any]:
 
 
 def _outline(box: Sequence[int]) -> np.ndarray:
-    """Returns the corners, (4, 2), of a box in the image, which is a pixel wide and high at least."""
+    """Returns the corners, (4, 2), of a box in the image, as of a pixel if it is empty."""
     x, y, width, height = box
     return np.array([x, y]) + np.array(CORNERS) * (max(width, 1), max(height, 1))
 
