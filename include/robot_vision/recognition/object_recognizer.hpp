@@ -34,8 +34,10 @@ struct RecognizerParams
           "probability from which other poses at the same place are not tried any more");
     visit("max_candidates", &RecognizerParams::max_candidates, Range{1, 100000}, "",
           "of each model that are looked at, those with the best scores");
-    visit("max_refined", &RecognizerParams::max_refined, Range{1, 100000}, "",
-          "of them that are refined and verified, those that agree best with the depths and the matcher");
+    visit(
+        "max_refined", &RecognizerParams::max_refined, Range{1, 100000}, "",
+        "of them that are refined and verified where the object is not, those that agree best with the depths and the "
+        "matcher");
     visit("max_per_place", &RecognizerParams::max_per_place, Range{1, 1000}, "", "of those that are at one place");
     visit("min_unclaimed", &RecognizerParams::min_unclaimed, Range{0, 1}, "",
           "share of an object's pixels that no better one explains");

@@ -78,7 +78,7 @@ const std::vector<Trial>& ModelTrials::run(const RecognitionFrame& frame, const 
   best_.clear();
   for (const Hypothesis& hypothesis : promising(frame, shape, candidates, report))
   {
-    if (report.refined >= params_.max_refined) break;
+    if (triedInVain() >= params_.max_refined) break;
     Place& place = placeOf(hypothesis, shape.extent());
     if (place.tried >= params_.max_per_place || isDecided(place, hypothesis, shape)) continue;
     ++place.tried;
@@ -160,6 +160,15 @@ bool ModelTrials::isBetter(const PoseVerdict& verdict, const PoseVerdict& than) 
   if ((verdict.probability < params_.threshold) != (than.probability < params_.threshold))
     return verdict.probability > than.probability;
   return preference(verdict) > preference(than);
+}
+
+/// How many poses were tried where there is nothing that is probable enough.
+int ModelTrials::triedInVain() const
+{
+  int tried = 0;
+  for (const Place& place : places_)
+    if (place.best->verdict.probability < params_.threshold) tried += place.tried;
+  return tried;
 }
 
 ModelTrials::Place& ModelTrials::placeOf(const Hypothesis& hypothesis, const MeshExtent& extent)

@@ -44,6 +44,7 @@ private:
                                            const std::vector<PoseCandidate>& candidates, ModelReport& report);
   void preferWhatExplainsMost(const MeshExtent& extent);
   bool isBetter(const PoseVerdict& verdict, const PoseVerdict& than) const;
+  int triedInVain() const;
   Place& placeOf(const Hypothesis& hypothesis, const MeshExtent& extent);
   bool isDecided(const Place& place, const Hypothesis& other, const ObjectShape& shape) const;
   Trial tryPose(const RecognitionFrame& frame, const ObjectShape& shape, const cv::Affine3d& pose, double match_score,
