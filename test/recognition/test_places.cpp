@@ -63,6 +63,17 @@ TEST(NearPlaces, tellsAllThatAreWithinTheDistance)
   EXPECT_LT(tested, all / 4);
 }
 
+TEST(SpotCounts, countsWhatIsNearTheFirstPlaceOfASpot)
+{
+  SpotCounts spots(0.1);
+  EXPECT_EQ(spots.add({0.0, 0.0, 1.0}), 1u);
+  EXPECT_EQ(spots.add({0.09, 0.0, 1.0}), 2u);
+  EXPECT_EQ(spots.add({0.11, 0.0, 1.0}), 1u) << "near the second place of the first spot alone";
+  EXPECT_EQ(spots.add({0.0, 0.0, 1.099}), 3u);
+  EXPECT_EQ(spots.add({0.0, 0.0, 1.1}), 1u);
+  EXPECT_EQ(spots.add({0.15, 0.05, 1.0}), 2u);
+}
+
 TEST(NearPlaces, takesPlacesThatAreFartherAwayThanItCanCount)
 {
   NearPlaces near(1e-9);

@@ -49,6 +49,10 @@ constexpr double kSimilarDistance = 0.06, kSimilarAngle = 8.0 * CV_PI / 180.0;
 constexpr double kOneDistance = 0.02, kOneAngle = 3.0 * CV_PI / 180.0;
 constexpr double kSameDistance = 0.1, kSameAngle = 15.0 * CV_PI / 180.0;
 
+constexpr double kSpot = 0.4;     // of the diameter: poses that are nearer are at one spot
+constexpr std::size_t kMore = 3;  // poses of a spot that may come in addition to the best of all
+constexpr float kMinMore = 0.0F;  // least evidence of these: that the object is there rather than not
+
 Guess guessOf(const Place& place, const Template& found, const ViewCamera& camera)
 {
   const double x = (place.x - camera.cx()) / camera.fx(), y = (place.y - camera.cy()) / camera.fy();
@@ -209,7 +213,9 @@ void CandidateSearch::locate(Guess& guess) const
   guess.middle = guess.pose.anchor + guess.pose.rotation * model_.view(guess.view).center;
 }
 
-/// The best, without those that are within this distance (m) and angle (rad) of a better one.
+/// The best, without those that are within this distance (m) and angle (rad) of a better one. Up to as many more are a
+/// few poses of each other spot where the object seems to be: one piece of it may have all of the best, which differ by
+/// turns alone.
 std::vector<Guess> CandidateSearch::bestOf(std::vector<Guess> guesses, std::size_t count, double distance,
                                            double angle) const
 {
@@ -218,10 +224,12 @@ std::vector<Guess> CandidateSearch::bestOf(std::vector<Guess> guesses, std::size
     order.emplace_back(-guesses[i].score, i);
   std::sort(order.begin(), order.end());
   NearPlaces near(distance);
+  SpotCounts spots(kSpot * model_.model().extent.diameter);
   std::vector<Guess> best;
   for (const auto& [score, i] : order)
   {
-    if (best.size() == count) break;
+    const bool is_more = best.size() >= count;
+    if (is_more && (best.size() == 2 * count || guesses[i].score < kMinMore)) break;
     Guess& guess = guesses[i];
     locate(guess);
     const bool is_known = near.anyNear(guess.middle,
@@ -233,6 +241,7 @@ std::vector<Guess> CandidateSearch::bestOf(std::vector<Guess> guesses, std::size
                                                 model_.symmetries().angle(guess.rotation, better.rotation) < angle;
                                        });
     if (is_known) continue;
+    if (spots.add(guess.middle) > kMore && is_more) continue;
     near.add(guess.middle, best.size());
     best.push_back(guess);
   }

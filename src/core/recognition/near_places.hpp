@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <opencv2/core.hpp>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace robot_vision
@@ -62,6 +63,38 @@ private:
 
   double distance_;
   std::unordered_map<std::uint64_t, std::vector<std::size_t>> cubes_;
+};
+
+/// How many places there are at each spot, which is what is within a distance of the first place there.
+class SpotCounts
+{
+public:
+  /// `distance` is above 0, in m.
+  explicit SpotCounts(double distance) : distance_(distance), near_(distance) {}
+
+  /// Adds a place, and returns how many there are at its spot now.
+  std::size_t add(const cv::Vec3d& place)
+  {
+    std::size_t spot = spots_.size();
+    near_.anyNear(place,
+                  [&](std::size_t i)
+                  {
+                    const cv::Vec3d gap = spots_[i].first - place;
+                    if (gap.dot(gap) < distance_ * distance_) spot = i;
+                    return spot == i;
+                  });
+    if (spot == spots_.size())
+    {
+      near_.add(place, spot);
+      spots_.emplace_back(place, 0);
+    }
+    return ++spots_[spot].second;
+  }
+
+private:
+  double distance_;
+  NearPlaces near_;
+  std::vector<std::pair<cv::Vec3d, std::size_t>> spots_;  // the first place, and how many there are
 };
 
 }  // namespace robot_vision
