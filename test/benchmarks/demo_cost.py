@@ -12,6 +12,7 @@ import measuring
 import support
 from process_costs import ProcessCost, costs_of, memory_of, total
 from results import Accuracy
+from ros_programs import program_of
 from tables import accuracies_table, table
 
 RESULTS = {  # of each node; those that are drawn for a viewer only are not among them
@@ -133,7 +134,7 @@ def measure(
 
 def loader_of(name: str) -> List[str]:
     """The command that loads a node of this package into the demo's process."""
-    command = ["/usr/lib/nodelet/nodelet", "load", f"robot_vision/{name}", "/vision"]
+    command = [program_of("nodelet", "nodelet"), "load", f"robot_vision/{name}", "/vision"]
     return [*command, f"__name:={name}", "image:=/usb_cam/image_raw", "_always_subscribe:=true"]
 
 

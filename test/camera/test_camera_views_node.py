@@ -6,6 +6,7 @@ import pytest
 import rosgraph
 import rospy
 import support
+from ros_programs import ROSLAUNCH
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from tf2_msgs.msg import TFMessage
 
@@ -97,7 +98,7 @@ def test_the_launch_file_has_the_names_of_a_kinect(start):
     truths = support.Messages("/camera/ground_truth", GroundTruth)
     wanted = topics("camera", ["rgb", "depth"])
     size = ["image_width:=160", "image_height:=120"]
-    start("/usr/bin/roslaunch", "robot_vision", "rgbd.launch", *size)
+    start(ROSLAUNCH, "robot_vision", "rgbd.launch", *size)
     color, depth, _, info, truth = support.same_frame(*wanted, truths)
     assert shift_of(static)[1:] == ("camera_rgb_optical_frame", "camera_depth_optical_frame")
     assert color.header.frame_id == "camera_rgb_optical_frame"
@@ -118,7 +119,7 @@ def test_the_launch_file_puts_meshes_on_a_table(start, tmp_path):
     wanted = topics("camera", ["rgb", "depth"])
     size = ["image_width:=160", "image_height:=120"]
     start(
-        *("/usr/bin/roslaunch", "robot_vision", "rgbd.launch", "scene:=tabletop"),
+        *(ROSLAUNCH, "robot_vision", "rgbd.launch", "scene:=tabletop"),
         *(f"meshes:=nut,{path}", "depth_encoding:=32FC1", *size),
     )
     color, depth, _, _, truth = support.same_frame(*wanted, truths)

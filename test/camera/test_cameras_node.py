@@ -15,6 +15,7 @@ import rospy
 import support
 import yaml
 from nodelet.srv import NodeletList, NodeletUnload
+from ros_programs import ROSLAUNCH, program_of
 from sensor_msgs.msg import CameraInfo, Image
 from support import Messages, wait_for
 
@@ -66,7 +67,7 @@ def test_cameras_of_a_launch_file(start, tmp_path):
     ]
     config = tmp_path / "cameras.yaml"
     config.write_text(yaml.safe_dump({"cameras": cameras}))
-    command = ["/usr/bin/roslaunch", "robot_vision", "cameras.launch", f"config:={config}"]
+    command = [ROSLAUNCH, "robot_vision", "cameras.launch", f"config:={config}"]
     process = start(*command, env=PROMPT)
     victims = (MANAGER, "/camera_loader", None)
     times = 0  # that the last camera was loaded; again, too, when a bond breaks on a busy machine
@@ -88,7 +89,7 @@ def test_cameras_of_a_launch_file(start, tmp_path):
 
 @pytest.mark.usefixtures("lasting_bonds")
 def test_lost_cameras_are_loaded_again_until_ctrl_c(start):
-    manager = start("/usr/lib/nodelet/nodelet", "manager", "__name:=camera_manager")
+    manager = start(program_of("nodelet", "nodelet"), "manager", "__name:=camera_manager")
     rospy.set_param("/camera_loader/cameras", [{"name": "front", **SMALL}])
     loader = start("camera_loader.py", env=PROMPT)
     loader.wait_for_output("/front: loaded")
@@ -105,7 +106,7 @@ def test_lost_cameras_are_loaded_again_until_ctrl_c(start):
 
 def test_a_restarted_loader_takes_over_the_cameras_of_its_predecessor(start):
     """Whether or not the manager has noticed yet that the first one is gone."""
-    start("/usr/lib/nodelet/nodelet", "manager", "__name:=camera_manager")
+    start(program_of("nodelet", "nodelet"), "manager", "__name:=camera_manager")
     rospy.set_param("/camera_loader/cameras", [{"name": "front", **SMALL}])
     start("camera_loader.py", env=PROMPT).wait_for_output("/front: loaded")
     os.kill(process_of("/camera_loader"), signal.SIGKILL)
@@ -117,7 +118,7 @@ def test_a_restarted_loader_takes_over_the_cameras_of_its_predecessor(start):
 
 def test_a_loader_takes_over_the_cameras_of_a_killed_one(start):
     """It does so before the manager has noticed that the first loader is gone."""
-    start("/usr/lib/nodelet/nodelet", "manager", "__name:=camera_manager")
+    start(program_of("nodelet", "nodelet"), "manager", "__name:=camera_manager")
     cameras = [{"name": "front", **SMALL}]
     rospy.set_param("/camera_loader/cameras", cameras)
     start("camera_loader.py", env=PROMPT).wait_for_output("/front: loaded")
@@ -138,7 +139,7 @@ def test_a_loader_takes_over_the_cameras_of_a_killed_one(start):
 
 def test_a_camera_that_fails_to_load_is_tried_again(start, tmp_path):
     image = tmp_path / "later.png"
-    start("/usr/lib/nodelet/nodelet", "manager", "__name:=camera_manager")
+    start(program_of("nodelet", "nodelet"), "manager", "__name:=camera_manager")
     rospy.set_param("/camera_loader/cameras", [{"name": "front", "source": str(image)}])
     loader = start("camera_loader.py", env=PROMPT)
     for seconds in (1, 2):
@@ -177,7 +178,7 @@ def test_the_port_of_a_killed_manager_may_belong_to_what_never_answers(start):
         rospy.set_param("/camera_loader/cameras", [{"name": "front", **SMALL}])
         loader = start("camera_loader.py", env=PROMPT)
         loader.wait_for_output(f"waiting for the manager {MANAGER}")
-        start("/usr/lib/nodelet/nodelet", "manager", "__name:=camera_manager")
+        start(program_of("nodelet", "nodelet"), "manager", "__name:=camera_manager")
         loader.wait_for_output("/front: loaded")
 
 
@@ -217,7 +218,7 @@ def test_an_invalid_list_is_reported_once_and_a_valid_one_awaited(start, tmp_pat
     """The loader must not end, because roslaunch would start it again and again."""
     config = tmp_path / "cameras.yaml"
     config.write_text(yaml.safe_dump({"cameras": [{"name": "front"}]}))
-    command = ["/usr/bin/roslaunch", "robot_vision", "cameras.launch", f"config:={config}"]
+    command = [ROSLAUNCH, "robot_vision", "cameras.launch", f"config:={config}"]
     process = start(*command, env=PROMPT)
     process.wait_for_output("cameras[0] (front): there is no source; waiting for another list")
     rospy.set_param("/camera_loader/cameras", [])
@@ -230,7 +231,7 @@ def test_an_invalid_list_is_reported_once_and_a_valid_one_awaited(start, tmp_pat
 
 @pytest.mark.usefixtures("lasting_bonds")
 def test_a_new_list_changes_only_the_cameras_that_differ(start):
-    start("/usr/lib/nodelet/nodelet", "manager", "__name:=camera_manager")
+    start(program_of("nodelet", "nodelet"), "manager", "__name:=camera_manager")
     front, side, rear = ({"name": name, **SMALL} for name in ("front", "side", "rear"))
     rospy.set_param("/camera_loader/cameras", [front, side, {**rear, "rate": 15}])
     loader = start("camera_loader.py", env=PROMPT)

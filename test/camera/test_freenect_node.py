@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import support
 from frames import pixels
+from ros_programs import ROSLAUNCH
 from sensor_msgs.msg import CameraInfo, Image
 from tf2_msgs.msg import TFMessage
 
@@ -64,7 +65,7 @@ def test_a_recording_of_the_scene_comes_as_the_topics_of_freenect_launch(start, 
     infos = [
         support.Messages(f"/camera/{view}/camera_info", CameraInfo) for view in ("rgb", "depth")
     ]
-    start("/usr/bin/roslaunch", "robot_vision", "freenect.launch", env=recording.playing(recorded))
+    start(ROSLAUNCH, "robot_vision", "freenect.launch", env=recording.playing(recorded))
     found = {}
 
     def all_found():

@@ -74,7 +74,7 @@ def test_there_are_parameters():
     assert {"BrightnessParams", "MotionParams", "TagPoseParams"} <= set(PARAMS)
 
 
-@pytest.mark.parametrize("kind", PARAMS.values(), ids=PARAMS)
+@pytest.mark.parametrize("kind", PARAMS.values(), ids=list(PARAMS))
 def test_parameters_are_valid_documented_and_compared(kind):
     params = kind()
     rv.validate(params)
@@ -90,7 +90,7 @@ def test_parameters_are_valid_documented_and_compared(kind):
             assert other != params
 
 
-@pytest.mark.parametrize("kind", PARAMS.values(), ids=PARAMS)
+@pytest.mark.parametrize("kind", PARAMS.values(), ids=list(PARAMS))
 def test_values_out_of_the_documented_range_are_refused(kind):
     number = r"-?[\d.]+(?:e[+-]?\d+)?"
     ranges = 0

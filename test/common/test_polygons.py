@@ -11,7 +11,7 @@ ARROW = np.array([(0, 0), (8, 4), (0, 8), (3, 4)])  # not convex
 POLYGONS = {"square": SQUARE, "turned": SQUARE[::-1], "arrow": ARROW, "slim": ARROW * (1.0, 0.25)}
 
 
-@pytest.mark.parametrize("polygon", POLYGONS.values(), ids=POLYGONS)
+@pytest.mark.parametrize("polygon", POLYGONS.values(), ids=list(POLYGONS))
 def test_points_are_inside_as_opencv_says(polygon):
     for x in np.arange(-1.0, 9.5, 0.5):
         for y in np.arange(-1.0, 9.5, 0.5):
@@ -19,7 +19,7 @@ def test_points_are_inside_as_opencv_says(polygon):
             assert is_inside(polygon, (x, y)) == expected, (x, y)
 
 
-@pytest.mark.parametrize("polygon", POLYGONS.values(), ids=POLYGONS)
+@pytest.mark.parametrize("polygon", POLYGONS.values(), ids=list(POLYGONS))
 def test_areas_are_opencv_s(polygon):
     assert area_of(polygon) == pytest.approx(cv2.contourArea(polygon.astype(np.float32)))
 

@@ -234,7 +234,7 @@ HOSTILE_BAGS = {
 }
 
 
-@pytest.mark.parametrize("content", HOSTILE_BAGS.values(), ids=HOSTILE_BAGS.keys())
+@pytest.mark.parametrize("content", HOSTILE_BAGS.values(), ids=list(HOSTILE_BAGS))
 def test_a_damaged_bag_is_listed_with_its_problem_in_a_line(folder, content):
     with open(in_folder(folder, "a.bag"), "wb") as file:
         file.write(content)

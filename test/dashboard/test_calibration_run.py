@@ -171,7 +171,7 @@ HOSTILE_IMAGES = {
 }
 
 
-@pytest.mark.parametrize("hostile", HOSTILE_IMAGES.values(), ids=HOSTILE_IMAGES.keys())
+@pytest.mark.parametrize("hostile", HOSTILE_IMAGES.values(), ids=list(HOSTILE_IMAGES))
 def test_images_of_no_use_are_told_in_a_line_and_harm_nothing(start, hub, images, hostile):
     run, told = start()
     state = shown(run, told, hub, *hostile)

@@ -11,6 +11,7 @@ import rospy
 import support
 from faces import PORTRAIT
 from geometry_msgs.msg import PointStamped, Twist
+from ros_programs import ROSLAUNCH, ROSRUN
 from sensor_msgs.msg import Image
 from tag_studio import matrix_of
 
@@ -60,7 +61,7 @@ def test_edges_of_a_video_are_opencv_s(start, video):
     expected = {opencv_chain(frame).tobytes(): i for i, frame in enumerate(decoded(video))}
     assert len(expected) == FRAMES
     edges = support.Messages("/edge_detector/processed_image", Image)
-    start("/usr/bin/roslaunch", "robot_vision", "demo.launch", "source:=" + video)
+    start(ROSLAUNCH, "robot_vision", "demo.launch", "source:=" + video)
     edges.wait()
     edges.wait(2 * FRAMES)
     several = FRAMES // 2
@@ -108,19 +109,19 @@ def test_the_help_of_the_status_printer_promises_no_file(start):
 
 def test_rosrun_finds_scripts_and_programs(start):
     """In a checkout with its own workspace rosrun must not find a script twice, and ask."""
-    status = ("/usr/bin/rosrun", "robot_vision", "demo_status.py")
+    status = (ROSRUN, "robot_vision", "demo_status.py")
     process = start(*status, env={"DISPLAY": ""})
     process.wait_for_output("No display: look at")
     process = start(*status, env={"DISPLAY": ":7"})
     process.wait_for_output("No windows (view:=windows): look at")
-    other = start("/usr/bin/rosrun", "robot_vision", "camera_node", "_source:=synthetic")
+    other = start(ROSRUN, "robot_vision", "camera_node", "_source:=synthetic")
     other.wait_for_output("synthetic scene (room) 640x480 at 30 Hz")
 
 
 @pytest.fixture(scope="module")
 def scene_demo(start_once):
     """The demo on the scene, with depth, for all the tests from here on; ends with 0."""
-    process = start_once("/usr/bin/roslaunch", "robot_vision", "demo.launch", "depth:=true")
+    process = start_once(ROSLAUNCH, "robot_vision", "demo.launch", "depth:=true")
     yield process
     process.interrupt()
     assert process.exit_code() == 0, process.output()

@@ -4,6 +4,7 @@ import numpy as np
 import rospy
 import support
 from bond.msg import Status
+from ros_programs import ROSLAUNCH
 from sensor_msgs.msg import CameraInfo, Image
 
 from robot_vision.msg import DetectionArray, GroundTruth, Line, TagDetectionArray
@@ -37,7 +38,7 @@ def is_near(places, detections):
 
 def test_all_nodes_of_the_light_launch_find_what_is_in_the_scene(start):
     launch = start(
-        *("/usr/bin/roslaunch", "robot_vision", "light.launch", "source:=synthetic"),
+        *(ROSLAUNCH, "robot_vision", "light.launch", "source:=synthetic"),
         "nodes:=" + ",".join(NODES),
     )
     truths = support.Messages("/usb_cam/ground_truth", GroundTruth)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import support
+from ros_programs import ROSLAUNCH
 from tag_studio import matrix_of
 
 from robot_vision.msg import DetectionArray, GroundTruth, RecognizedObjectArray
@@ -12,7 +13,7 @@ TABLE = "/table/camera/ground_truth"
 
 def test_demo_recognizes_the_things_on_its_table(start, tmp_path):
     words = "demo.launch", "recognition:=true"
-    demo = start("/usr/bin/roslaunch", "robot_vision", *words, env={"ROS_HOME": str(tmp_path)})
+    demo = start(ROSLAUNCH, "robot_vision", *words, env={"ROS_HOME": str(tmp_path)})
     demo.wait_for_output("object_recognizer ", 2 * support.DEADLINE)
     truths = support.Messages(TABLE, GroundTruth)
     names = support.Messages("/object_recognizer/detections", DetectionArray)

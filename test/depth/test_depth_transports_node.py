@@ -1,6 +1,5 @@
 """Depth images over compressedDepth and through bags, from the camera to what is made of them."""
 
-import pathlib
 import time
 
 import depth_streams
@@ -11,6 +10,7 @@ import support
 from frames import Source, pixels
 from geometry_msgs.msg import TransformStamped, Vector3
 from rgbd_cameras import RgbdCameras, depth_to_color, info_of, model_of
+from ros_programs import program_of
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
@@ -21,9 +21,6 @@ from robot_vision.transport import ImageSubscriber
 
 SIZE = "_image_width:=96", "_image_height:=72", "_framerate:=10"
 FRAMES = 30  # that are recorded
-ROSBAG = pathlib.Path("/usr/lib/rosbag")
-if not ROSBAG.exists():
-    ROSBAG = pathlib.Path("/opt/ros/noetic/lib/rosbag")
 
 
 def step_of(metres):
@@ -140,7 +137,7 @@ def recorded(start, camera, path):
     topics = [f"/{camera}/{name}" for name in (*names, "rgb/camera_info")]
     node = start_camera(start, camera)
     words = f"--output-name={path}", f"--limit={FRAMES}", *topics
-    process = start(str(ROSBAG / "record"), *words)
+    process = start(program_of("rosbag", "record"), *words)
     assert process.exit_code() == 0, process.output()
     node.interrupt()
     assert node.exit_code() == 0, node.output()
@@ -190,5 +187,5 @@ def play_until(start, path, done):
     deadline = time.monotonic() + support.DEADLINE
     while not done():
         assert time.monotonic() < deadline, "nothing has come of the bag"
-        process = start(str(ROSBAG / "play"), "--quiet", "--wait-for-subscribers", path)
+        process = start(program_of("rosbag", "play"), "--quiet", "--wait-for-subscribers", path)
         assert process.exit_code() == 0, process.output()

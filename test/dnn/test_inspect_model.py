@@ -145,7 +145,9 @@ REFUSED = [
 ]
 
 
-@pytest.mark.parametrize("name, content, words, reason", REFUSED, ids=range(len(REFUSED)))
+@pytest.mark.parametrize(
+    "name, content, words, reason", REFUSED, ids=list(map(str, range(len(REFUSED))))
+)
 def test_what_cannot_be_read_is_one_line(inspect, name, content, words, reason):
     code, _, err = inspect(name, content, *words)
     assert code == 1 and err.startswith("inspect_model.py: ") and reason in err

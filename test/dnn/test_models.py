@@ -182,7 +182,7 @@ FOREIGN = [
 ]
 
 
-@pytest.mark.parametrize("name, content, reason", FOREIGN, ids=range(len(FOREIGN)))
+@pytest.mark.parametrize("name, content, reason", FOREIGN, ids=list(map(str, range(len(FOREIGN)))))
 def test_what_is_no_model_is_told_in_one_line(write, name, content, reason):
     path = write(name, content)
     for suffix, data in ((".weights", darknet_weights()), (".caffemodel", b"a"), (".pb", b"a")):

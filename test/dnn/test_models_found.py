@@ -111,7 +111,9 @@ HEADS = [
 
 
 @pytest.mark.parametrize("backend", BACKENDS_OF_HEADS)
-@pytest.mark.parametrize("content, head, task, expected", HEADS, ids=range(len(HEADS)))
+@pytest.mark.parametrize(
+    "content, head, task, expected", HEADS, ids=list(map(str, range(len(HEADS))))
+)
 def test_each_head_finds_what_is_there(detector, content, head, task, expected, backend):
     live = DetectionSettings(score_threshold=0.8)
     one = detector(content, live, backend=backend)
@@ -138,7 +140,7 @@ def turned(content):
 
 @pytest.mark.parametrize("backend", BACKENDS_OF_HEADS)
 @pytest.mark.parametrize(
-    "content", [yolov8("segment"), ssd(), detr(), rtdetr(2, ULTRALYTICS)], ids=range(4)
+    "content", [yolov8("segment"), ssd(), detr(), rtdetr(2, ULTRALYTICS)], ids=list("0123")
 )
 def test_the_order_of_the_outputs_does_not_matter(detector, content, backend):
     one = detector(turned(content), DetectionSettings(score_threshold=0.8), backend=backend)

@@ -15,7 +15,7 @@ DRAW = {
 }
 
 
-@pytest.fixture(params=DRAW.values(), ids=DRAW.keys())
+@pytest.fixture(params=DRAW.values(), ids=list(DRAW))
 def draw(request):
     return request.param
 

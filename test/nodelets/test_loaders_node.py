@@ -9,9 +9,10 @@ import rospy
 import support
 from frames import Camera
 from python_manager import NAME, PythonManager
+from ros_programs import ROSLAUNCH, program_of
 from std_srvs.srv import Trigger
 
-NODELET = "/usr/lib/nodelet/nodelet"
+NODELET = program_of("nodelet", "nodelet")
 
 
 @pytest.fixture
@@ -100,7 +101,7 @@ def test_roslaunch_loads_and_a_required_node_ends_it(start, tmp_path):
           </group>
         </launch>"""
     )
-    launch = start("/usr/bin/roslaunch", file)
+    launch = start(ROSLAUNCH, file)
     rospy.wait_for_service("/left/hsv/save_parameters", support.DEADLINE)
     assert support.reconfigured("/left/hsv")["opening"] == 7
     assert "~config_file" in rospy.ServiceProxy("/left/hsv/save_parameters", Trigger)().message

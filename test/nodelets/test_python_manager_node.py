@@ -8,6 +8,7 @@ import support
 from frames import Camera, message
 from geometry_msgs.msg import Twist
 from python_manager import NAME, TRIAL, PythonManager, graph_of, refused
+from ros_programs import program_of
 from rosgraph_msgs.msg import Log
 from simulation import TrackWorld
 from std_srvs.srv import Trigger
@@ -269,7 +270,7 @@ def test_a_signal_ends_it_in_the_middle_of_a_load(start, camera, number, does):
     manager.load("/hsv", "robot_vision/hsv_tracker", {"/image": camera.topic})
     rospy.set_param("/trial/does", does)
     loader = start(
-        "/usr/lib/nodelet/nodelet", "load", "robot_vision/trial_node", NAME, "__name:=trial"
+        program_of("nodelet", "nodelet"), "load", "robot_vision/trial_node", NAME, "__name:=trial"
     )
     manager.process.wait_for_output("waiting")
     manager.process._popen.send_signal(number)

@@ -13,13 +13,14 @@ import pytest
 import rospy
 import support
 from frames import Frames, Source, message, new_topic
+from ros_programs import program_of
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header
 
 from robot_vision.transport import ImagePublisher, ImageSubscriber
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-REPUBLISH = "/usr/lib/image_transport/republish"
+REPUBLISH = program_of("image_transport", "republish")
 if not pathlib.Path(REPUBLISH).exists():
     REPUBLISH = "/opt/ros/noetic/lib/image_transport/republish"
 

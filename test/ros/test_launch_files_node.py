@@ -18,6 +18,7 @@ import rospy
 import support
 import yaml
 from fake_params import use_params
+from ros_programs import ROSLAUNCH
 from sensor_msgs.msg import CameraInfo, Image
 
 from robot_vision.color.named_colors import NamedColors
@@ -88,7 +89,7 @@ def test_frames_go_through_a_chain_of_launch_files_with_the_values_of_config(sta
     images = [support.Messages(topic, Image) for topic in ENCODINGS]
     infos = support.Messages("/usb_cam/camera_info", CameraInfo)
     (tmp_path / "chain.launch").write_text(CHAIN)
-    start("/usr/bin/roslaunch", tmp_path / "chain.launch")
+    start(ROSLAUNCH, tmp_path / "chain.launch")
     *frames, info = support.same_frame(*images, infos)
     for image, encoding in zip(frames, ENCODINGS.values()):
         assert image.header.frame_id == "head_camera"
@@ -132,13 +133,13 @@ def test_a_folder_is_repeated_if_loop_is_set(arguments, loop):
 def test_descriptive_default_arguments_mean_no_value(start, tmp_path):
     home = {"ROS_HOME": str(tmp_path)}
     images = support.Messages("/usb_cam/image_raw", Image)
-    start("/usr/bin/roslaunch", "robot_vision", "camera.launch", "source:=synthetic", env=home)
+    start(ROSLAUNCH, "robot_vision", "camera.launch", "source:=synthetic", env=home)
     images.wait()
-    start("/usr/bin/roslaunch", "robot_vision", "apriltag.launch", env=home)
+    start(ROSLAUNCH, "robot_vision", "apriltag.launch", env=home)
     parameter = "/apriltag_detector/tag_size"
     assert support.wait_for(lambda: rospy.get_param(parameter, None), parameter) == 0.1
     home["PYTHONUNBUFFERED"] = "1"
-    recognizer = start("/usr/bin/roslaunch", "robot_vision", "face_recognizer.launch", env=home)
+    recognizer = start(ROSLAUNCH, "robot_vision", "face_recognizer.launch", env=home)
     recognizer.wait_for_output(f"0 people by 0 images in {tmp_path}/robot_vision/faces")
 
 
@@ -166,7 +167,7 @@ def test_every_launch_file_checks_for_unknown_arguments(monkeypatch, path):
 
 
 def test_an_unknown_argument_is_an_error_before_anything_starts(start):
-    words = "/usr/bin/roslaunch", "robot_vision", "camera.launch", "image_widht:=320"
+    words = ROSLAUNCH, "robot_vision", "camera.launch", "image_widht:=320"
     launch = start(*words, fork=False)  # roslaunch reads the command line of its process
     assert launch.exit_code() == 1
     assert "camera.launch has no argument image_widht, is image_width meant?" in launch.output()
@@ -748,7 +749,7 @@ def test_a_camera_in_the_root_namespace_is_rectified(start):
     topics = [f"~{name}:=/{name}" for name in ("image_raw", "camera_info")]
     start("camera_node", "__name:=eye", "_source:=synthetic", *topics)
     rectified = support.Messages("/image_rect_color", Image)
-    start("/usr/bin/roslaunch", "robot_vision", "rectify.launch", "image:=/image_raw")
+    start(ROSLAUNCH, "robot_vision", "rectify.launch", "image:=/image_raw")
     assert rectified.wait()[0].encoding == "bgr8"
 
 

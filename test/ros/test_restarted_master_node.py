@@ -8,6 +8,7 @@ import pytest
 import rosgraph
 import rospy
 import support
+from ros_programs import program_of
 from std_srvs.srv import Trigger
 
 CLIENT = """
@@ -60,7 +61,7 @@ def test_nodes_register_again(start, run_script, tmp_path, node, key, nodelets):
     if nodelets:
         commands = [[node, "__name:=manager"]]
         if node == "manager":
-            commands = [["/usr/lib/nodelet/nodelet", "manager", "__name:=manager"]]
+            commands = [[program_of("nodelet", "nodelet"), "manager", "__name:=manager"]]
     processes = [start(*command, env=master.env) for command in commands]
 
     def ask(value, *kinds):

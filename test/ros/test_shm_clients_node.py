@@ -5,6 +5,7 @@ import pytest
 import rospy
 import support
 from frames import Frames
+from ros_programs import program_of
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Image
 from shared_images import uses_shm
@@ -78,7 +79,7 @@ def test_a_frame_comes_also_while_simulated_time_stands_still(start):
 
 def test_image_view_shows_it(start, display, camera):
     words = f"image:={camera}", "_image_transport:=shm", "__name:=shm_viewer"
-    start("/usr/lib/image_view/image_view", *words)
+    start(program_of("image_view", "image_view"), *words)
     support.wait_for(lambda: uses_shm("/shm_viewer", camera), "frames over shm")
     support.wait_for(lambda: any(camera in name for name in support.windows()), "the window")
     support.wait_for(

@@ -9,6 +9,7 @@ import rosbag
 import rospy
 import support
 from frames import Frames
+from ros_programs import program_of
 from sensor_msgs.msg import Image
 from shared_images import Reader, uses_shm
 
@@ -114,7 +115,7 @@ def test_frames_for_which_there_is_no_memory_are_counted_and_come_again(run_scri
 def test_programs_of_other_packages_read_it(start, tmp_path, camera):
     form = str(tmp_path / "image_%04d.png")
     words = f"image:={camera}", "_image_transport:=shm", f"_filename_format:={form}"
-    start("/usr/lib/image_view/image_saver", *words, "__name:=saver")
+    start(program_of("image_view", "image_saver"), *words, "__name:=saver")
     raw = support.subscribed(camera, Image)
     support.wait_for(lambda: uses_shm("/saver", camera), "frames over shm")
     seen = {file.name for file in tmp_path.glob("image_*.png")}

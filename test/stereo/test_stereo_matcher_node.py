@@ -11,6 +11,7 @@ import stereo_images
 import support
 from calibrated_camera import of_whole_sensor
 from frames import Source
+from ros_programs import ROSLAUNCH
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2, PointField
 from stereo_cameras import BASELINE, CX, CY, FOCAL, SIDES, StereoCameras, info_of
 from stereo_images import HEIGHT, WIDTH, Plane
@@ -389,7 +390,7 @@ def test_camera_info_may_come_from_elsewhere(start):
 
 def test_the_scene_s_pair_has_depths_where_its_objects_are(start):
     """The camera node and this one, as the launch file starts them."""
-    start("/usr/bin/roslaunch", "robot_vision", "stereo.launch", "camera:=true")
+    start(ROSLAUNCH, "robot_vision", "stereo.launch", "camera:=true")
     kinds = {"depth": Image, "camera_info": CameraInfo}
     topics = [support.Messages(f"/stereo_matcher/{name}", kind) for name, kind in kinds.items()]
     truths = support.Messages("/usb_cam/ground_truth", GroundTruth)

@@ -2,13 +2,12 @@
 
 from typing import Any, Dict
 
-import pytest
 import rospy
 
 from robot_vision.ros.context import NodeContext
 
 
-def use_params(monkeypatch: pytest.MonkeyPatch, there: Dict[str, Any]) -> None:
+def use_params(monkeypatch: Any, there: Dict[str, Any]) -> None:
     """Has the node of this process find its private parameters there, by names such as ~gain."""
     monkeypatch.setattr(rospy, "get_param", there.get)
     monkeypatch.setattr(rospy, "has_param", there.__contains__)

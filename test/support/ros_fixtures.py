@@ -12,8 +12,7 @@ import xmlrpc.client
 import pytest
 import support
 from ports import free_port
-
-ROSLAUNCH = "/usr/bin/roslaunch"
+from ros_programs import ROSLAUNCH
 
 
 def pytest_collection_modifyitems(items):

@@ -7,8 +7,9 @@ from typing import Any, Callable
 
 import rosgraph
 import support
+from ros_programs import program_of
 
-REPUBLISH = "/usr/lib/image_transport/republish"
+REPUBLISH = program_of("image_transport", "republish")
 if not pathlib.Path(REPUBLISH).exists():
     REPUBLISH = "/opt/ros/noetic/lib/image_transport/republish"
 

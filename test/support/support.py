@@ -24,6 +24,7 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from nodelet.srv import NodeletList, NodeletLoad, NodeletUnload
 from ports import free_port
+from ros_programs import program_of
 
 DEADLINE = 60.0  # s; on an idle machine everything takes a moment only
 RENEWAL_PERIOD = 2.0  # s
@@ -235,7 +236,7 @@ class NodeletManager:
     def __init__(self, start: Callable[..., Process], **options: Any):
         self.name = "/manager"
         self.process = start(
-            "/usr/lib/nodelet/nodelet", "manager", f"__name:={self.name[1:]}", **options
+            program_of("nodelet", "nodelet"), "manager", f"__name:={self.name[1:]}", **options
         )
         rospy.wait_for_service(self.name + "/load_nodelet", DEADLINE)
 

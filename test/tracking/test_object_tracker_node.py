@@ -16,6 +16,7 @@ import support
 from diagnostic_msgs.msg import DiagnosticStatus
 from frames import Camera, Source
 from geometry_msgs.msg import Point
+from ros_programs import ROSLAUNCH
 from sensor_msgs.msg import Image, RegionOfInterest
 from std_msgs.msg import Header
 from still_clock import StillClock
@@ -713,7 +714,7 @@ def test_objects_lost_for_long_are_forgotten(start):
 def test_rectangle_dragged_in_the_launch_files_window_is_followed(start, display):
     """The scene's poster, from the image on the screen to the messages."""
     start("camera_node", "__name:=usb_cam", "_source:=synthetic")
-    start("/usr/bin/roslaunch", "robot_vision", "object_tracker.launch", "view:=true")
+    start(ROSLAUNCH, "robot_vision", "object_tracker.launch", "view:=true")
     objects = support.Messages("/object_tracker/object", DetectionArray)
     truths = support.Messages("/usb_cam/ground_truth", GroundTruth)
 

@@ -12,6 +12,7 @@ import rosgraph
 import rospy
 import support
 import yaml
+from ros_programs import ROSLAUNCH
 from sensor_msgs.msg import Image, RegionOfInterest
 
 from robot_vision import range_around, to_space
@@ -409,7 +410,7 @@ def test_the_launch_file_loads_the_defaults(start, display):
     config = pathlib.Path(__file__).resolve().parents[2] / "config" / "simple_camera_view.yaml"
     defaults = yaml.safe_load(config.read_text())
     assert defaults == {"autosize": True, "space": "hsv", "show": "bgr", "save_folder": "."}
-    start("/usr/bin/roslaunch", "robot_vision", "simple_camera_view.launch", "image:=/a/topic")
+    start(ROSLAUNCH, "robot_vision", "simple_camera_view.launch", "image:=/a/topic")
     window("/a/topic")
     for name, value in defaults.items():
         assert rospy.get_param("/simple_camera_view/" + name) == value

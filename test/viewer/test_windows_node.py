@@ -7,12 +7,13 @@ import subprocess
 import numpy as np
 import pytest
 import support
+from ros_programs import ROSLAUNCH
 
 from robot_vision.demo.window_tiles import place_of, tile
 
 
 def test_demo_opens_a_window_for_each_node(start, display):
-    start("/usr/bin/roslaunch", "robot_vision", "demo.launch", "view:=true")
+    start(ROSLAUNCH, "robot_vision", "demo.launch", "view:=true")
     topics = {"/usb_cam/image_raw", "/brightness/processed_image", "/edge_detector/processed_image"}
     support.wait_for(lambda: topics <= set(support.windows()), "the windows")
     subprocess.run(["xdotool", "windowraise", support.windows()["/usb_cam/image_raw"]], check=True)
@@ -65,6 +66,6 @@ def test_tiles_fill_the_screen_and_do_not_overlap(count):
 
 @pytest.mark.skipif(os.path.exists("/dev/video0"), reason="there is a camera: it would be used")
 def test_the_course_s_launch_file_waits_for_its_camera(start, display):
-    process = start("/usr/bin/roslaunch", "robot_vision", "usb_cam-test.launch")
+    process = start(ROSLAUNCH, "robot_vision", "usb_cam-test.launch")
     process.wait_for_output("/dev/video0: cannot be opened")
     support.wait_for(lambda: "/usb_cam/image_raw" in support.windows(), "image_view's window")
