@@ -45,8 +45,8 @@ def load_onnx() -> Any:
         import onnx.shape_inference
     except ImportError as error:
         raise ValueError(
-            "to read ONNX files the module onnx is needed (apt install python3-onnx, "
-            f"on Ubuntu 20.04 pip install onnx): {error}"
+            "to read ONNX files the module onnx is needed (apt install python3-onnx, which Ubuntu "
+            f"20.04 does not have: it runs networks of other kinds): {error}"
         ) from None
     return onnx
 
