@@ -75,7 +75,7 @@ def test_a_calibration_from_the_first_board_to_the_camera(view, start, tmp_path)
 
 def test_a_bag_is_recorded_listed_downloaded_and_deleted(view, camera, browser):
     open_tool(view, "bags")
-    box = f'[data-test="bag-topic"][data-name="{camera.topic}"]'
+    box = f'[data-test="bag-topic"][data-name="images:{camera.topic}"]'
     view.wait("document.querySelector(arguments[0])", box)
     view.run("document.querySelector(arguments[0]).click();", box)
     view.fill('[data-test="bag-name"]', "walk")

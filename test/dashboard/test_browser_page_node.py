@@ -436,18 +436,19 @@ CHANNELS = [  # a message that the node could not read is none, and acknowledged
 ]
 OFFERS = (
     "offers(Object.entries(%s).map(([name, type]) => ({name, publishers: ['/a'],"
-    " type: `sensor_msgs/${type}`}))).first.map(({topic, note}) => [topic, note])"
+    " type: `sensor_msgs/${type}`}))).%s.map(({key, beside}) => [key, ...beside])"
 )
-FORMS = "{'%s': 'Image', '%s/compressed': 'CompressedImage', '%s/compressedDepth': '%s'}"
-BAGS = [  # JPEG loses depths, and nothing that is compressed takes a flow
-    (OFFERS % FORMS % (*["/a"] * 3, "CompressedImage"), [["/a/compressed", "JPEG"]]),
-    (
-        OFFERS % FORMS % (*["/depth"] * 3, "CompressedImage"),
-        [["/depth/compressedDepth", "compressedDepth"]],
-    ),
-    (OFFERS % FORMS % (*["/depth"] * 3, "String"), [["/depth", "raw"]]),
-    (OFFERS % FORMS % (*["/a/flow"] * 3, "CompressedImage"), [["/a/flow", "raw"]]),
-    (OFFERS % FORMS % (*["/a/flow_image"] * 3, "String"), [["/a/flow_image/compressed", "JPEG"]]),
+EYE = (
+    "{'/a/image': 'Image', '/a/image/compressed': 'CompressedImage',"
+    " '/a/camera_info': 'CameraInfo'}"
+)
+BAGS = [  # of images the node chooses the form, and each topic can be had as it is
+    (OFFERS % (EYE, "first"), [["images:/a/image", "/a/camera_info"]]),
+    (OFFERS % (EYE, "others"), [["/a/camera_info"], ["/a/image"], ["/a/image/compressed"]]),
+    ("requested(['images:/a', '/a', '/b'])", {"images": ["/a"], "topics": ["/a", "/b"]}),
+    ("isWhole('stopped after 10 s, as wanted')", True),
+    ("isWhole('stopped; nothing has come on /a')", False),
+    ("isWhole('failed: the disk is full')", False),
 ]
 SCALES = [
     ("shortNumber(2147483647)", "2147483647"),

@@ -27,8 +27,8 @@ class Anything(Field):
 
 
 FIELDS = (
-    "node name values topic topics channel space low high x y width quality level rate region "
-    "label pictures index max_megabytes max_seconds root max_points"
+    "node name values topic topics images channel space low high x y width quality level rate "
+    "region label pictures index max_megabytes max_seconds root max_points"
 )  # of all requests
 
 
@@ -539,12 +539,12 @@ def test_an_image_that_is_still_chosen_keeps_its_camera_info(page, play):
         [],
         topics=folder,
         bags=lambda *_: {**listed, "recording": None},
-        bag_record=lambda _session, fields: recorded.append(sorted(fields["topics"])),
+        bag_record=lambda _session, fields: recorded.append((fields["images"], fields["topics"])),
     )
     open_tool(page, "bags")
 
     def choose(name, on):
-        page.fill(f'[data-test="bag-topic"][data-name="{name}"]', on)
+        page.fill(f'[data-test="bag-topic"][data-name="images:{name}"]', on)
 
     def count(text):
         page.wait_for_text(text, '[data-test="bag-record"]')
@@ -555,7 +555,9 @@ def test_an_image_that_is_still_chosen_keeps_its_camera_info(page, play):
     choose("/eye/image_color", False)
     count("Record 2 topics")
     page.click('[data-test="bag-record"]')
-    support.wait_for(lambda: recorded == [["/eye/camera_info", "/eye/image_raw"]], "the request")
+    support.wait_for(
+        lambda: recorded == [(["/eye/image_raw"], ["/eye/camera_info"])], "the request"
+    )
     choose("/eye/image_raw", False)
     count("Choose what to record")
 

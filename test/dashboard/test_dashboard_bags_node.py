@@ -8,10 +8,13 @@ import signal
 import subprocess
 import threading
 
+import numpy as np
 import pytest
 import rosbag
 import rospy
 import support
+from frames import message
+from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import String
 from tool_pages import VIEW_TOKEN, ToolServer
 
@@ -140,6 +143,66 @@ def test_a_recording_that_loses_messages_says_so(page, folder, monkeypatch):
     page.request("bag_stop")
     end = page.wait("recording", lambda status: not status["active"], "the end")
     assert end["state"] == "stopped; messages were lost, as the disk was too slow"
+
+
+@pytest.fixture
+def images():
+    """Publishes images by topic; beside each their transports, which send nothing."""
+    ended = threading.Event()
+    pixels = np.arange(12, dtype=np.uint16).reshape(3, 4) + 1
+    sent = {
+        "/stereo/disparity_image": ("bgr8", np.full((3, 4, 3), 200, np.uint8)),
+        "/segmenter/labels": ("mono16", pixels),
+        "/eye/depth/image_raw": ("16UC1", pixels * 100),
+    }
+    publishers = {name: rospy.Publisher(name, Image, queue_size=5) for name in sent}
+    beside = [
+        rospy.Publisher(f"{name}/{form}", CompressedImage, queue_size=5)
+        for name in sent
+        for form in ("compressed", "compressedDepth")
+    ]
+
+    def publish():
+        while not ended.wait(0.1):
+            for name, (encoding, image) in sent.items():
+                publishers[name].publish(message(image, encoding))
+
+    thread = threading.Thread(target=publish)
+    thread.start()
+    yield {name: image for name, (_, image) in sent.items()}
+    ended.set()
+    thread.join()
+    for publisher in (*publishers.values(), *beside):
+        publisher.unregister()
+
+
+def test_images_are_recorded_in_the_form_that_keeps_them(page, folder, images):
+    page.request("bags")
+    page.request("bag_record", images=[*images, "/nobody/depth"], topics=["/clock"], name="a")
+    status = page.wait("recording", lambda status: (status["messages"] or 0) >= 3, "messages")
+    recorded = [topic["name"] for topic in status["topics"]]
+    assert recorded == [
+        "/stereo/disparity_image/compressed",
+        "/segmenter/labels",
+        "/eye/depth/image_raw/compressedDepth",
+        "/nobody/depth",
+        "/clock",
+    ]
+    page.request("bag_stop")
+    with rosbag.Bag(str(folder / "a.bag")) as bag:
+        kept = next(iter(bag.read_messages("/segmenter/labels"))).message
+    assert np.array_equal(
+        np.frombuffer(kept.data, "<u2").reshape(3, 4), images["/segmenter/labels"]
+    )
+
+
+def test_topics_of_which_nothing_has_come_are_named_at_the_end(page, folder, texts):
+    silent = [f"/silent_{number}" for number in range(7)]
+    record(page, topics=[TOPIC, *silent])
+    page.request("bag_stop")
+    end = page.wait("recording", lambda status: not status["active"], "the end")
+    named = ", ".join(silent[: bag_recording.MAX_NAMED])
+    assert end["state"] == f"stopped; nothing has come on {named} and 2 more"
 
 
 def test_it_stops_at_its_size(page, folder, texts):

@@ -4,6 +4,7 @@ from typing import Any, Dict
 
 from .bag_download import BagHandler, Downloads
 from .bag_files import BagFolder
+from .bag_images import recorded_topics
 from .bag_recorder import MAX_TOPICS, BagRecorder
 from .bag_recording import MB
 from .fields import Flag, Names, Number, Text
@@ -33,7 +34,8 @@ class BagFeature:
                 "bag_record",
                 self._record,
                 fields={
-                    "topics": Names(MAX_TOPICS),
+                    "topics": Names(MAX_TOPICS, default=()),
+                    "images": Names(MAX_TOPICS, default=()),
                     "name": Text(default=""),
                     "max_megabytes": size,
                     "max_seconds": Number(0.0, MAX_SECONDS, default=0.0),
@@ -66,10 +68,11 @@ class BagFeature:
         }
 
     def _record(self, _session: Any, fields: Dict[str, Any]) -> Dict[str, Any]:
+        """Records topics as they are, and images in the form that suits them."""
+        self._recorder.require_idle()
+        topics = [*recorded_topics(fields["images"]), *fields["topics"]]
         max_bytes = fields["max_megabytes"] * MB
-        return self._recorder.start(
-            fields["topics"], fields["name"], max_bytes, fields["max_seconds"]
-        )
+        return self._recorder.start(topics, fields["name"], max_bytes, fields["max_seconds"])
 
     def _stop(self, _session: Any, _fields: Dict[str, Any]) -> Dict[str, Any]:
         self._recorder.stop()

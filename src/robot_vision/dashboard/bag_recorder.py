@@ -46,8 +46,7 @@ class BagRecorder:
         for topic in names:
             graph_name(topic)
         with self._lock:
-            if self._recording:
-                raise ValueError(f"{self._recording.name} is being recorded: stop that first")
+            self.require_idle()
             self._folder.make()
             free = self._folder.free_space()
             if free < 2 * MIN_FREE:
@@ -58,6 +57,12 @@ class BagRecorder:
             self._recording = recording
         threading.Thread(target=self._run, args=(recording,), daemon=True).start()
         return recording.status()
+
+    def require_idle(self) -> None:
+        """Raises ValueError if a recording is going on."""
+        recording = self._recording
+        if recording:
+            raise ValueError(f"{recording.name} is being recorded: stop that first")
 
     def status(self) -> Optional[Status]:
         """Returns the status of what is being recorded, or None."""

@@ -28,6 +28,7 @@ PERIOD = 0.5  # s between looks at the bag
 MIN_FREE = 500 * MB  # bytes on the disk, below which recording stops
 BUFFER = 64  # MB, of messages that wait for the disk
 CLOSING_TIMEOUT = 60.0  # s for the index to be written
+MAX_NAMED = 5  # topics that are named at the end, as nothing has come on them
 MAX_SAID = 64 * 1024  # bytes of what the program says that are looked at
 LOSES = b"record buffer exceeded"  # which it says when messages wait longer than there is room
 
@@ -138,6 +139,15 @@ class Recording:
         silent = self._counted and not any(self._counts.values())
         return "no message has come yet" if silent else "recording"
 
+    def _empty(self) -> str:
+        """Returns what is told at the end of topics that the bag has no message of."""
+        empty = [name for name in self._topics if not self._counts.get(name)]
+        if not empty:
+            return ""
+        more = len(empty) - MAX_NAMED
+        named = ", ".join(empty[:MAX_NAMED]) + (f" and {more} more" if more > 0 else "")
+        return f"; nothing has come on {named}"
+
     def _finish(self, process: Any) -> None:
         """Has the program finish the bag, and ends it by force if it does not."""
         for number in (signal.SIGINT, signal.SIGKILL):
@@ -152,12 +162,15 @@ class Recording:
         path = os.path.join(self._folder.path, self.name)
         if os.path.exists(path):
             self._size = os.path.getsize(path)
+            empty = ""
             with contextlib.suppress(ValueError), self._folder.open(self.name) as file:
                 topics = summary_of(file)["topics"]
                 self._counts.update((topic["name"], topic["count"]) for topic in topics)
+                empty = self._empty()
             self.stop("rosbag record has ended by itself")
             if LOSES in _said(output):
                 self._reason += "; messages were lost, as the disk was too slow"
+            self._reason += empty
             return
         lines = _said(output).decode(errors="replace").split("\n")
         said = [printable(line.strip(), 200) for line in lines if line.strip()]

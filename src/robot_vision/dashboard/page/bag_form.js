@@ -1,6 +1,6 @@
 /** The form that starts a recording: topics, name and limits. */
 
-import { offers } from "./bag_offers.js";
+import { offers, requested } from "./bag_offers.js";
 import { el, setText } from "./dom.js";
 
 const MAX_TOPICS = 200;
@@ -72,26 +72,26 @@ export class BagForm {
     if (shown === this.shown && !anyway) return;
     this.shown = shown;
     this.images = first;
-    this.offered = new Set([...first, ...others].map((one) => one.topic));
+    this.offered = new Set([...first, ...others].map((one) => one.key));
     this.first.replaceChildren(...first.map((one) => this.row(one)));
     if (!first.length) this.first.append(el("p", { class: "dim" }, "No images are published now."));
     const words = this.filter.value.toLowerCase();
-    const found = others.filter((one) => one.topic.toLowerCase().includes(words));
+    const found = others.filter((one) => one.label.toLowerCase().includes(words));
     this.others.replaceChildren(...found.map((one) => this.row(one)));
     this.showCount();
   }
 
-  row({ topic, label, note, beside }) {
+  row({ key, label, note, beside }) {
     const box = el("input", {
       type: "checkbox",
-      checked: this.chosen.has(topic),
+      checked: this.chosen.has(key),
       "data-test": "bag-topic",
-      "data-name": topic,
-      onchange: () => this.choose(topic, beside, box.checked),
+      "data-name": key,
+      onchange: () => this.choose(key, beside, box.checked),
     });
     return el(
       "label",
-      { class: "check", title: topic },
+      { class: "check", title: label },
       box,
       el("span", { class: "ellipsis grow" }, label),
       el("span", { class: "dim small-text" }, note),
@@ -99,13 +99,13 @@ export class BagForm {
   }
 
   /**
-   * @param {string} topic
-   * @param {string[]} beside topics that are chosen with it, and go unless another one needs them
+   * @param {string} key
+   * @param {string[]} beside keys that are chosen with it, and go unless another one needs them
    * @param {boolean} on
    */
-  choose(topic, beside, on) {
-    this.chosen[on ? "add" : "delete"](topic);
-    const images = this.images.filter((one) => this.chosen.has(one.topic));
+  choose(key, beside, on) {
+    this.chosen[on ? "add" : "delete"](key);
+    const images = this.images.filter((one) => this.chosen.has(one.key));
     const needed = new Set(images.flatMap((one) => one.beside));
     for (const other of beside) {
       if (on) this.chosen.add(other);
@@ -119,7 +119,7 @@ export class BagForm {
   }
 
   wanted() {
-    return [...this.chosen].filter((topic) => this.offered.has(topic));
+    return [...this.chosen].filter((key) => this.offered.has(key));
   }
 
   showCount() {
@@ -131,7 +131,7 @@ export class BagForm {
 
   async start(event) {
     event.preventDefault();
-    const fields = { topics: this.wanted(), name: this.name.value };
+    const fields = { ...requested(this.wanted()), name: this.name.value };
     if (this.megabytes.value) fields.max_megabytes = Number(this.megabytes.value);
     if (this.seconds.value) fields.max_seconds = Number(this.seconds.value);
     this.button.disabled = true;

@@ -1,11 +1,10 @@
 /** What is worth recording, and how sizes and times of bags are written. Nothing knows the page. */
 
-const COMPRESSED = "sensor_msgs/CompressedImage";
 const MEMORY = "robot_vision/ShmImage"; // which a bag cannot hold
 const OF_TRANSPORTS =
   /\/(compressed|compressedDepth|theora|shm)(\/|$)|\/parameter_(updates|descriptions)$/;
 const FRAMES = ["/tf", "/tf_static"];
-const NOTES = { compressed: "JPEG", compressedDepth: "compressedDepth" };
+const IMAGES = "images:";
 const UNITS = ["bytes", "kB", "MB", "GB", "TB"];
 
 /** @param {number} bytes */
@@ -28,14 +27,15 @@ export function timeText(seconds) {
 
 /**
  * @typedef {Object} Offer
- * @property {string} topic what is recorded
+ * @property {string} key what tells it from others: the topic, or IMAGES and the topic if the node
+ *   that records is to choose the form of the images
  * @property {string} label how it is called
  * @property {string} note what it is
- * @property {string[]} beside topics that belong to it
+ * @property {string[]} beside keys of what belongs to it
  */
 
 /**
- * What is worth recording: images in the form that needs least, with what belongs to them.
+ * What is worth recording: images with what belongs to them, and all topics as they are.
  * @param {{name: string, type: string, publishers: string[]}[]} topics of a graph
  * @returns {{first: Offer[], others: Offer[]}}
  */
@@ -51,24 +51,36 @@ export function offers(topics) {
     .map(([name]) => imageOffer(name, published))
     .sort((a, b) => rank(a) - rank(b) || (a.label < b.label ? -1 : 1));
   for (const name of FRAMES) {
-    if (published.has(name)) first.push({ topic: name, label: name, note: "frames", beside: [] });
+    if (published.has(name)) first.push({ key: name, label: name, note: "frames", beside: [] });
   }
   const others = [...published]
-    .filter(([name]) => !first.some((one) => one.topic === name))
-    .map(([name, type]) => ({ topic: name, label: name, note: type, beside: [] }))
-    .sort((a, b) => order(a) - order(b) || (a.topic < b.topic ? -1 : 1));
+    .filter(([name]) => !first.some((one) => one.key === name))
+    .map(([name, type]) => ({ key: name, label: name, note: type, beside: [] }))
+    .sort((a, b) => order(a) - order(b) || (a.label < b.label ? -1 : 1));
   return { first, others };
 }
 
-/** What belongs to a transport comes last. */
-function order({ topic }) {
-  return OF_TRANSPORTS.test(topic) ? 1 : 0;
+/**
+ * What the node is asked to record.
+ * @param {Iterable<string>} keys of offers
+ * @returns {{images: string[], topics: string[]}}
+ */
+export function requested(keys) {
+  const all = [...keys];
+  return {
+    images: all.filter((key) => key.startsWith(IMAGES)).map((key) => key.slice(IMAGES.length)),
+    topics: all.filter((key) => !key.startsWith(IMAGES)),
+  };
 }
 
-/** The transport that keeps what is in an image: JPEG loses depths, and nothing takes a flow. */
-function formOf(name) {
-  if (/(^|\/)flow$/.test(name)) return "";
-  return /depth|disparity/.test(name) ? "compressedDepth" : "compressed";
+/** Whether what a recording says at its end is only that it has ended. */
+export function isWhole(state) {
+  return state.startsWith("stopped") && !state.includes(";");
+}
+
+/** What belongs to a transport comes last. */
+function order({ label }) {
+  return OF_TRANSPORTS.test(label) ? 1 : 0;
 }
 
 /**
@@ -77,13 +89,7 @@ function formOf(name) {
  * @returns {Offer}
  */
 function imageOffer(name, published) {
-  const form = formOf(name);
-  const isThere = form && published.get(`${name}/${form}`) === COMPRESSED;
   const info = `${name.slice(0, name.lastIndexOf("/"))}/camera_info`;
-  return {
-    topic: isThere ? `${name}/${form}` : name,
-    label: name,
-    note: isThere ? NOTES[form] : "raw",
-    beside: published.has(info) ? [info] : [],
-  };
+  const beside = published.has(info) ? [info] : [];
+  return { key: IMAGES + name, label: name, note: "images", beside };
 }

@@ -2,7 +2,7 @@
 
 import { ask } from "./asking.js";
 import { BagForm } from "./bag_form.js";
-import { sizeText, timeText } from "./bag_offers.js";
+import { isWhole, sizeText, timeText } from "./bag_offers.js";
 import { bagRow, unfinishedRow } from "./bag_rows.js";
 import { el, setText } from "./dom.js";
 
@@ -32,8 +32,7 @@ class BagsPanel {
   onRecording(status) {
     this.showRecording(status.active ? status : null);
     if (status.active) return;
-    const isWhole = status.state.startsWith("stopped") && !status.state.includes("lost");
-    this.app.notify(`${status.name}: ${status.state}`, isWhole ? "good" : "bad");
+    this.app.notify(`${status.name}: ${status.state}`, isWhole(status.state) ? "good" : "bad");
     this.list();
   }
 
