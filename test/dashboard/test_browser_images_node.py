@@ -1,10 +1,14 @@
 """Images on the dashboard's page, seen by a real browser: every pixel at its place."""
 
+from types import SimpleNamespace
+
 import cv2
 import numpy as np
 import pytest
 import rospy
-from pattern_camera import PatternCamera, located, marked, seen
+from exif import sideways
+from pattern_camera import TILE, PatternCamera, located, marked, seen
+from sensor_msgs.msg import CompressedImage
 
 from robot_vision.srv import SelectObject, SelectObjectResponse
 
@@ -88,6 +92,23 @@ def test_an_image_of_4k_is_shown_in_the_size_of_its_tile(view, camera):
     view.wait("document.querySelector(arguments[0]).width <= 2560", camera.canvas)
     wait_for_frames(view)
     assert_shown(view, camera, image)
+
+
+def test_a_photograph_that_is_to_be_turned_is_shown_as_its_pixels_are(view):
+    image = located(320, 240)
+    topic = "/phone/compressed"
+    publisher = rospy.Publisher(topic, CompressedImage, queue_size=1, latch=True)
+    jpeg = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, 95])[1].tobytes()
+    publisher.publish(CompressedImage(format="jpeg", data=sideways(jpeg)))
+    phone = SimpleNamespace(topic=topic, canvas=f'{TILE % topic} [data-test="image"]')
+    try:
+        view.run("robotVision.tiles.addTopic(arguments[0]);", topic)
+        view.wait(
+            "robotVision.tiles.list().find((one) => one.image === arguments[0])?.view.drawn", topic
+        )
+        assert_shown(view, phone, image)
+    finally:
+        publisher.unregister()
 
 
 def test_images_are_shown_when_the_clock_jumps_back(view, camera):

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 import pytest
 import support
+from exif import sideways, sideways_png
 
 from robot_vision.dashboard import image_stream, image_topics
 from robot_vision.dashboard.channels import JPEG, PNG
@@ -16,6 +17,7 @@ from robot_vision.dashboard.image_hub import ImageHub
 from robot_vision.dashboard.image_source import RosSubscriptions
 from robot_vision.dashboard.image_topics import ImageTopics, Route
 from robot_vision.dashboard.message_topics import RawMessage
+from robot_vision.dashboard.orientation import without_exif
 from robot_vision.dashboard.pictures import SIZES, Display, Picture, Wish, rounded_up
 from robot_vision.ros.transport import FrameError
 
@@ -329,6 +331,32 @@ def test_a_png_goes_on_as_png(hub, ros):
     ros.bytes["/jpeg"](compressed(PNG_DATA, b"png", stamp=(0, 0)))
     assert (viewer.data, viewer.kinds) == ([PNG_DATA], [PNG])
     assert viewer.pictures[0].stamp == 2.5  # of ROS' clock when it came, as it has none
+
+
+FILL = b"\xff\xd8\xff"  # before a marker there may be any number of the last byte
+
+
+@pytest.mark.parametrize(
+    "turned, upright",
+    [
+        pytest.param(sideways(JPEG_DATA), JPEG_DATA, id="jpeg"),
+        pytest.param(sideways(sideways(JPEG_DATA)), JPEG_DATA, id="twice"),
+        pytest.param(FILL + sideways(JPEG_DATA)[2:], FILL + JPEG_DATA[2:], id="fill"),
+        pytest.param(sideways_png(PNG_DATA), PNG_DATA, id="png"),
+        pytest.param(sideways_png(PNG_DATA, before=b"IEND"), PNG_DATA, id="behind"),
+    ],
+)
+def test_no_browser_is_told_to_turn_an_image(hub, ros, turned, upright):
+    viewer = Viewer()
+    hub.view("/jpeg", Wish(), viewer)
+    ros.bytes["/jpeg"](compressed(turned, b""))
+    assert viewer.data == [upright]
+
+
+@pytest.mark.parametrize("data", [JPEG_DATA, PNG_DATA, b"", b"\xff\xd8\xff\xe1"])
+@pytest.mark.parametrize("kind", [JPEG, PNG])
+def test_what_has_no_orientation_stays_as_it_is(kind, data):
+    assert without_exif(kind, data) is data
 
 
 @pytest.mark.parametrize(

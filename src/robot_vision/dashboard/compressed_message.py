@@ -7,6 +7,7 @@ from .. import compressed_info
 from ..common.plain_text import printable
 from .channels import JPEG, PNG
 from .image_topics import COMPRESSED_IMAGE, DEPTHS
+from .orientation import without_exif
 from .pictures import Picture
 
 KINDS = {"jpeg": JPEG, "png": PNG}
@@ -15,7 +16,7 @@ _LENGTH = struct.Struct("<I")
 
 
 def picture_of(raw: Any) -> Picture:
-    """Returns the picture of a message.
+    """Returns the picture of a message, whose bytes have no EXIF data.
 
     Args:
         raw: A RawMessage of any topic.
@@ -33,7 +34,9 @@ def picture_of(raw: Any) -> Picture:
     if DEPTHS in form:
         raise ValueError("what is compressed by compressedDepth cannot be shown")
     name, width, height = compressed_info(data)
-    return Picture(stamp or raw.ros_time, raw.received, width, height, None, KINDS[name], data)
+    kind = KINDS[name]
+    data = without_exif(kind, data)
+    return Picture(stamp or raw.ros_time, raw.received, width, height, None, kind, data)
 
 
 def _fields(message: bytes) -> Tuple[float, str, bytes]:
