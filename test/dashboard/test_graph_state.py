@@ -15,6 +15,7 @@ from robot_vision.dashboard.graph_status import Status, number_in, status_of
 from robot_vision.dashboard.graph_views import Views
 
 IMAGE, INFO = "sensor_msgs/Image", "sensor_msgs/CameraInfo"
+COMPRESSED = "sensor_msgs/CompressedImage"
 FOUND = "robot_vision/DetectionArray"
 
 
@@ -168,6 +169,31 @@ def test_cameras_have_one_view_for_each_camera_info():
     assert [view["image"] for view in views] == ["/rig/left/image_raw", "/rig/right/image"]
     assert [view["title"] for view in views] == ["rig/left/image_raw", "rig/right/image"]
     assert all(view["overlays"] == [] and view["node"] == "/rig" for view in views)
+
+
+@pytest.mark.parametrize("end", ["/compressed", "/compressedDepth"])
+def test_cameras_that_are_played_compressed_have_a_view(end):
+    played = [(f"/cam/image_raw{end}", COMPRESSED), ("/cam/camera_info", INFO)]
+    made = state([(topic, ["/play"]) for topic, _ in played], types=played)
+    (view,) = Views().of(made, {})
+    assert (view["node"], view["image"]) == ("/play", played[0][0])
+
+
+def test_a_transport_without_a_base_is_nobodys_image():
+    types = [("/compressed", COMPRESSED), ("/finder/objects", FOUND)]
+    made = state([("/compressed", ["/play"]), ("/finder/objects", ["/finder"])], types=types)
+    (view,) = Views().of(made, {})
+    assert (view["node"], view["image"]) == ("/finder", "")
+
+
+def test_a_node_that_works_on_what_is_played_compressed_shows_that():
+    types = [("/cam/image_raw/compressed", COMPRESSED), ("/finder/objects", FOUND)]
+    publishing = [("/cam/image_raw/compressed", ["/play"]), ("/finder/objects", ["/finder"])]
+    statuses = {"/finder": status("running on /cam/image_raw")}
+    views = Views()
+    assert views.of(state(publishing, types=types), statuses)[0]["image"] == types[0][0]
+    types, publishing = [*types, ("/cam/image_raw", IMAGE)], [*publishing, ("/cam/image_raw", "/c")]
+    assert views.of(state(publishing, types=types), {})[0]["image"] == "/cam/image_raw"
 
 
 def test_what_makes_images_of_a_camera_from_others_stays_one_while_it_works():

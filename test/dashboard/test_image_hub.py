@@ -13,6 +13,7 @@ from exif import sideways, sideways_png
 
 from robot_vision.dashboard import image_stream, image_topics
 from robot_vision.dashboard.channels import JPEG, PNG
+from robot_vision.dashboard.graph_state import State, is_image
 from robot_vision.dashboard.image_hub import ImageHub
 from robot_vision.dashboard.image_source import RosSubscriptions
 from robot_vision.dashboard.image_topics import ImageTopics, Route
@@ -413,7 +414,6 @@ def test_a_topic_that_is_not_there_yet_is_waited_for(hub, ros):
     "topic, words",
     [
         ("/text", "is of std_msgs/String, must be of"),
-        ("/eye/compressedDepth", "compressedDepth cannot be shown; its topic of sensor_msgs/Image"),
         ("eye", "is no name"),
         ("/a b", "is no name"),
         ("", "is no name"),
@@ -433,8 +433,8 @@ def test_what_has_no_images_is_refused_in_words(hub, ros, topic, words):
 
 def test_what_was_refused_is_forgotten(hub):
     for number in range(5):
-        with pytest.raises(ValueError, match="compressedDepth cannot be shown"):
-            hub.view(f"/eye{number}/compressedDepth", Wish(), Viewer())
+        with pytest.raises(ValueError, match="is no name"):
+            hub.view(f"eye{number}", Wish(), Viewer())
     support.wait_for(lambda: not hub._open, "the end of what nobody has got")
 
 
@@ -516,6 +516,27 @@ def test_pixels_of_a_compressed_topic_come_by_its_transport(ros):
     with pytest.raises(ValueError, match="must end in /compressed"):
         hub.watch("/photo", print)
     hub.close()
+
+
+@pytest.mark.parametrize("passed", [True, False])
+def test_depths_that_are_compressed_are_decoded_by_their_transport(ros, passed):
+    hub = ImageHub(Topics(**{"eye/compressedDepth": COMPRESSED}), ros)
+    viewer = Viewer()
+    hub.view("/eye/compressedDepth", Wish(), viewer, passed)
+    assert ros.log == ["+/eye compressedDepth"]
+    ros.pixels["/eye"](Frame(np.full((48, 64), 1500, np.uint16), "16UC1"))
+    assert viewer.wait(1).shape[:2] == (48, 64)
+    hub.close()
+
+
+@pytest.mark.parametrize("base", [True, False])
+def test_depths_are_listed_once(base):
+    topics = ImageTopics()
+    topics._types = {"/eye/compressedDepth": COMPRESSED, **({"/eye": IMAGE} if base else {})}
+    topics._publishers = dict.fromkeys(topics._types, frozenset(["/node"]))
+    graph = State({name: {"/node"} for name in topics._types}, {}, {}, topics._types, {"/node"})
+    shown = [name for name in graph.topics if is_image(name, graph.types, graph.publishers)]
+    assert topics.images() == shown == ["/eye" if base else "/eye/compressedDepth"]
 
 
 def mjpeg_topics(parameter, monkeypatch, nodes=("/cam",)):

@@ -147,3 +147,18 @@ def is_image(topic: str, types: Dict[str, str], published: Iterable[str]) -> boo
     """Returns whether a topic is one of images, and not only another transport of one."""
     kind = types.get(topic, "")
     return kind == IMAGE or (kind == COMPRESSED and base_of(topic) not in published)
+
+
+def shown_topic(topic: str, state: State) -> str:
+    """Returns the topic by which the images of one are shown; "" stays as it is.
+
+    That is another one if only its compressed images are published, as of a bag that is played.
+    """
+    if not topic or topic in state.publishers:
+        return topic
+    ends = ("/compressed", "/compressedDepth")
+    return next((topic + end for end in ends if _has_compressed(topic + end, state)), topic)
+
+
+def _has_compressed(topic: str, state: State) -> bool:
+    return topic in state.publishers and state.types.get(topic) == COMPRESSED

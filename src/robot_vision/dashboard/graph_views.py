@@ -2,7 +2,7 @@
 
 from typing import Any, Dict, List, Mapping
 
-from .graph_state import IMAGE, IMAGE_TYPES, State, base_of, is_image, of_nodes
+from .graph_state import IMAGE, IMAGE_TYPES, State, base_of, is_image, of_nodes, shown_topic
 from .graph_status import Status
 
 PROCESSED = "processed_image"  # the topic of a node of this package on which it draws its results
@@ -78,14 +78,14 @@ class Views:
             image = bases.pop() if len(bases) == 1 else ""
         if image:
             self._images[node] = image
-        return self._images.get(node, "")
+        return shown_topic(self._images.get(node, ""), state)
 
 
 def _cameras(node: str, topics: List[str], state: State) -> List[Dict[str, Any]]:
     """Returns a view for each camera_info that a node publishes, of the best image beside it."""
     found: Dict[str, str] = {}  # images by the namespace
     for topic in topics:
-        folder, name = topic.rsplit("/", 1)
+        folder, _, name = base_of(topic).rpartition("/")
         info = f"{folder}/camera_info"
         if (
             name.startswith("image")

@@ -5,10 +5,11 @@ from typing import Any, Dict, FrozenSet, List, NamedTuple, Tuple
 
 from ..common.plain_text import printable
 from ..ros.graph_master import MasterCalls, server_param
+from .graph_state import base_of
 
 IMAGE, COMPRESSED_IMAGE = "sensor_msgs/Image", "sensor_msgs/CompressedImage"
 BESIDE = "/compressed"  # what follows the name of a topic for its JPEGs
-DEPTHS = "compressedDepth"  # of which no browser can show anything
+DEPTHS = "compressedDepth"  # the transport of depths, which no browser can decode
 
 
 class Route(NamedTuple):
@@ -44,13 +45,16 @@ class ImageTopics:
         self._publishers = {topic: frozenset(nodes) for topic, nodes in published}
 
     def images(self) -> List[str]:
-        """Returns the names of all topics with images that are published, sorted."""
+        """Returns the names of all topics with images that are published, sorted.
+
+        Of a topic that is published itself, compressedDepth shows nothing else.
+        """
         return sorted(
             topic
             for topic, kind in self._types.items()
             if topic in self._publishers
             and kind in (IMAGE, COMPRESSED_IMAGE)
-            and not topic.endswith(DEPTHS)
+            and not (topic.endswith(f"/{DEPTHS}") and base_of(topic) in self._publishers)
         )
 
     def is_published(self, topic: str) -> bool:
@@ -66,11 +70,6 @@ class ImageTopics:
         Raises:
             ValueError: It has no images that can be shown.
         """
-        if topic.endswith("/" + DEPTHS):
-            raise ValueError(
-                "what is compressed by compressedDepth cannot be shown; its topic of "
-                f"{IMAGE} can, {printable(topic.rpartition('/')[0])}"
-            )
         kind = self._types.get(topic)
         if kind in (None, "*"):
             return None
@@ -81,6 +80,8 @@ class ImageTopics:
             raise ValueError(
                 f"the topic is of {printable(kind)}, must be of {IMAGE} or {COMPRESSED_IMAGE}"
             )
+        if topic.endswith(f"/{DEPTHS}"):
+            return Route(base_of(topic), DEPTHS)
         if passed:
             return Route(topic)
         if not topic.endswith(BESIDE):
