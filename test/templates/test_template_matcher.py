@@ -144,7 +144,8 @@ def test_pasted_templates_are_found_where_they_are(method, color):
     places = [(15, 30), (90, 70)]  # x, y
     for template, (x, y) in zip(templates, places):
         image[y : y + 20, x : x + 26] = template
-    matches = found(image, *templates, method=method, color=color, threshold=0.05)
+    values = {"threshold": 0.05, "overlap": 1.0}  # for ccorr both may be at one bright place
+    matches = found(image, *templates, method=method, color=color, **values)
     assert [match.index for match in matches] in ([0, 1], [1, 0])
     for match in matches:
         if method == "ccorr":  # it prefers what is bright
@@ -199,6 +200,19 @@ def test_all_places_are_found_up_to_the_most_wanted():
     assert len(found(image, STAR, results="multiple", threshold=0.9, max_results=3)) == 3
     assert len(found(image, STAR, results="single", threshold=0.9)) == 1
     assert not found(texture(12), STAR, results="multiple", threshold=0.9)
+
+
+def test_a_template_whose_best_place_is_anothers_is_not_found_at_its_next_one():
+    lit = STAR
+    unlit = cv2.addWeighted(lit, 0.7, texture(21, (24, 24)), 0.3, 0)
+    image = several([(50, 50)], lit)
+    image[100:124, 150:174] = cv2.addWeighted(unlit, 0.6, texture(22, (24, 24)), 0.4, 0)
+    (alone,) = found(image, unlit, threshold=0.5)
+    assert alone.box == (50, 50, 24, 24)
+    matches = found(image, lit, unlit, threshold=0.5)
+    assert [(match.index, match.box) for match in matches] == [(0, (50, 50, 24, 24))]
+    places = found(image, unlit, threshold=0.5, results="multiple")
+    assert (150, 100, 24, 24) in [match.box for match in places]
 
 
 @pytest.mark.parametrize("overlap, count", [(0.0, 1), (0.2, 1), (0.4, 2), (1.0, 2)])

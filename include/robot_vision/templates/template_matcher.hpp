@@ -77,7 +77,8 @@ struct TemplateMatches
 /// The score is 0 to 1 with every method: of the normed ones the response (1 minus it of sqdiff_normed), not below 0;
 /// of sqdiff 1 minus the root of the mean squared difference, white against black being 1; of ccorr and ccoeff the
 /// response as a share of the largest that this template can have in any image. Matches are the best places, for
-/// `single` one of each template, that share no more than `overlap` with a better one.
+/// `single` the best of each template, that share no more than `overlap` with a better one: of two templates with the
+/// same best place only one has a match.
 ///
 /// Threads may share one: they match at the same time, and wait while a template is added.
 class TemplateMatcher

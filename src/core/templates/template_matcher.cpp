@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <mutex>
 #include <opencv2/imgproc.hpp>
+#include <set>
 #include <shared_mutex>
 
 #include "core/common/work_limit.hpp"
@@ -57,21 +58,32 @@ TemplateMatch matchOf(const TemplatePeak& peak, const TemplateVariant& variant)
   return {variant.index, peak.score, variant.scale, {peak.place, size}, cv::Point2d(peak.place) + peak.offset + middle};
 }
 
-/// The best peaks that overlap no better one too much; for single one of each template.
+/// The best peak of each template.
+std::vector<TemplatePeak> bestOfEach(const std::vector<TemplatePeak>& sorted,
+                                     const std::vector<TemplateVariant>& variants)
+{
+  std::vector<TemplatePeak> best;
+  std::set<int> seen;
+  for (const TemplatePeak& peak : sorted)
+    if (seen.insert(variants[peak.variant].index).second) best.push_back(peak);
+  return best;
+}
+
+/// The best peaks that overlap no better one too much; for single none but the best of each template.
 std::vector<TemplateMatch> bestMatches(std::vector<TemplatePeak> peaks, const std::vector<TemplateVariant>& variants,
                                        const TemplateParams& params)
 {
   const bool single = params.results == "single";
   std::sort(peaks.begin(), peaks.end(), isBetter);
+  if (single) peaks = bestOfEach(peaks, variants);
   std::vector<TemplateMatch> matches;
   for (const TemplatePeak& peak : peaks)
   {
     if (!single && static_cast<int>(matches.size()) == params.max_results) break;
     const TemplateMatch match = matchOf(peak, variants[peak.variant]);
-    const bool left_out = std::any_of(
-        matches.begin(), matches.end(),
-        [&](const TemplateMatch& better)
-        { return (single && better.index == match.index) || overlapOf(better.box, match.box) > params.overlap; });
+    const bool left_out =
+        std::any_of(matches.begin(), matches.end(),
+                    [&](const TemplateMatch& better) { return overlapOf(better.box, match.box) > params.overlap; });
     if (!left_out) matches.push_back(match);
   }
   return matches;
