@@ -71,7 +71,7 @@ def encodings(viewers: int) -> float:
     hub = ImageHub(_Topics(), RosSubscriptions(subscribe))
     takers = [_Taker() for _ in range(viewers)]
     for taker in takers:
-        hub.view("/camera", Wish(longest=640), taker)
+        hub.view("/camera", Wish(needed=640), taker)
     image = np.zeros((SIZE[1], SIZE[0], 3), np.uint8)
     for number in range(FRAMES):
         callbacks[0](SimpleNamespace(image=image, encoding="bgr8", time=float(number)))

@@ -144,7 +144,7 @@ def test_viewers_who_want_the_same_share_one_encoding(hub, ros, monkeypatch):
     monkeypatch.setattr(image_stream, "encoded", encoded)
     viewers = [Viewer() for _ in range(8)]
     for at, viewer in enumerate(viewers):
-        hub.view("/eye", Wish(longest=30 + at), viewer)  # nearly the same tiles
+        hub.view("/eye", Wish(needed=30 + at), viewer)  # nearly the same tiles
     for count in range(1, 4):
         ros.pixels["/eye"](Frame(image()))
         for viewer in viewers:
@@ -158,10 +158,10 @@ def test_viewers_who_want_the_same_share_one_encoding(hub, ros, monkeypatch):
 def test_other_sizes_and_qualities_are_other_encodings(hub, ros):
     big = np.random.default_rng(2).integers(0, 256, (960, 1280, 3), np.uint8)
     wishes = [
-        Wish(longest=640),
-        Wish(longest=639),
-        Wish(longest=320),
-        Wish(longest=640, quality=20),
+        Wish(needed=640),
+        Wish(needed=639),
+        Wish(needed=320),
+        Wish(needed=640, quality=20),
     ]
     viewers = [Viewer() for _ in wishes]
     for viewer, wish in zip(viewers, wishes):
@@ -176,8 +176,8 @@ def test_other_sizes_and_qualities_are_other_encodings(hub, ros):
 
 def test_sizes_larger_than_the_image_share_the_one_as_it_is(hub, ros):
     viewers = [Viewer() for _ in range(3)]
-    for viewer, longest in zip(viewers, (0, 640, 1920)):
-        hub.view("/eye", Wish(longest=longest), viewer)
+    for viewer, needed in zip(viewers, (0, 640, 1920)):
+        hub.view("/eye", Wish(needed=needed), viewer)
     ros.pixels["/eye"](Frame(image()))
     assert [viewer.wait(1).shape for viewer in viewers] == [(48, 64, 3)] * 3
     assert hub.encodings() == 1
@@ -185,7 +185,7 @@ def test_sizes_larger_than_the_image_share_the_one_as_it_is(hub, ros):
 
 def test_a_viewer_gets_time_and_original_size_with_the_picture(hub, ros):
     viewer = Viewer()
-    hub.view("/eye", Wish(longest=160), viewer)
+    hub.view("/eye", Wish(needed=160), viewer)
     ros.pixels["/eye"](Frame(image(120, 640, 480), time=99.25))
     shown = viewer.wait(1)
     assert shown.shape == (120, 160, 3) and abs(int(shown[60, 80, 0]) - 120) < 3
@@ -195,7 +195,7 @@ def test_a_viewer_gets_time_and_original_size_with_the_picture(hub, ros):
 
 def test_a_stalled_viewer_costs_no_encoding_and_harms_no_other(hub, ros):
     stalled, other = Viewer(credit=1), Viewer()
-    hub.view("/eye", Wish(longest=30), stalled)
+    hub.view("/eye", Wish(needed=30), stalled)
     hub.view("/eye", Wish(), other)
     hub.view("/ear", Wish(), Viewer(credit=0))
     for count in range(1, 11):
@@ -294,7 +294,7 @@ def test_what_cannot_be_shown_is_told_once_and_the_next_image_is_shown(hub, ros)
 
 def test_size_and_encoding_may_change_while_somebody_looks(hub, ros):
     viewer = Viewer()
-    hub.view("/eye", Wish(longest=160), viewer)
+    hub.view("/eye", Wish(needed=160), viewer)
     frames = [
         (Frame(image(9)), (48, 64, 3)),
         (Frame(np.zeros((1080, 1920), np.uint8), "mono8"), (90, 160)),
@@ -316,7 +316,7 @@ def compressed(data, form=b"bgr8; jpeg compressed bgr8", stamp=(7, 500000000), k
 def test_a_jpeg_goes_on_as_it_came_to_all_viewers_whatever_their_size(hub, ros):
     viewers = [Viewer() for _ in range(8)]
     for at, viewer in enumerate(viewers):
-        hub.view("/jpeg", Wish(longest=10 * at, quality=1 + at), viewer)
+        hub.view("/jpeg", Wish(needed=10 * at, quality=1 + at), viewer)
     ros.bytes["/jpeg"](compressed(JPEG_DATA))
     for viewer in viewers:
         assert viewer.data == [JPEG_DATA] and viewer.kinds == [JPEG]
@@ -569,10 +569,10 @@ def test_a_compressed_topic_of_another_node_is_not_the_cameras(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "longest, size", [(0, 0), (1, 160), (160, 160), (161, 240), (700, 960), (3840, 3840), (9999, 0)]
+    "needed, size", [(0, 0), (1, 160), (160, 160), (161, 240), (700, 960), (3840, 3840), (9999, 0)]
 )
-def test_sizes_are_rounded_up_to_a_few(longest, size):
-    assert rounded_up(longest) == size
+def test_sizes_are_rounded_up_to_a_few(needed, size):
+    assert rounded_up(needed) == size
     assert size in (0, *SIZES)
 
 
@@ -580,8 +580,8 @@ def test_sizes_are_rounded_up_to_a_few(longest, size):
     "wish, size",
     [
         (Wish(), (1920, 1080)),
-        (Wish(longest=600), (640, 360)),
-        (Wish(longest=9000), (1920, 1080)),
+        (Wish(needed=600), (640, 360)),
+        (Wish(needed=9000), (1920, 1080)),
         (Wish(width=100), (100, 56)),
         (Wish(height=100), (178, 100)),
         (Wish(width=3000, height=50), (3000, 50)),
@@ -591,6 +591,14 @@ def test_sizes_are_rounded_up_to_a_few(longest, size):
 def test_a_wish_becomes_a_size_with_the_images_shape(wish, size):
     picture = Picture(0.0, 0.0, 1920, 1080, Frame(image(0, 1920, 1080)))
     assert wish.of(picture) == Display(JPEG, *size, 80, False)
+
+
+@pytest.mark.parametrize(
+    "needed, size", [(400, (480, 853)), (1080, (1080, 1920)), (0, (1080, 1920))]
+)
+def test_an_image_on_its_side_has_the_width_that_is_needed(needed, size):
+    display = Wish(needed=needed).of(Picture(0.0, 0.0, 1080, 1920, object()))
+    assert (display.width, display.height) == size
 
 
 @pytest.mark.parametrize(

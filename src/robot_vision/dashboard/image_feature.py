@@ -70,7 +70,7 @@ class ImageFeature:
         number = int(fields["channel"])
         channel = session.channel(number)
         viewer = ChannelViewer(session, channel)
-        wish = Wish(longest=int(fields["width"]), quality=int(fields["quality"]))
+        wish = Wish(needed=int(fields["width"]), quality=int(fields["quality"]))
         try:
             handle = self._hub.view(fields["topic"], wish, viewer)
         except BaseException:

@@ -9,7 +9,7 @@ from .. import DisplayEncoder, DisplayParams
 from ..ros.transport import Frame
 from .channels import JPEG, PNG
 
-SIZES = (160, 240, 320, 480, 640, 960, 1280, 1920, 2560, 3840)  # px, of the longest side
+SIZES = (160, 240, 320, 480, 640, 960, 1280, 1920, 2560, 3840)  # px, widths
 MAX_ENLARGED = 4 << 20  # px of an image that is made larger than it came
 FORMATS = {JPEG: "jpeg", PNG: "png"}
 
@@ -51,8 +51,8 @@ class Wish(NamedTuple):
     """How somebody wants to see the pictures of a topic.
 
     Attributes:
-        longest: The longest side that is needed, in px; it is rounded up to one of SIZES, so that
-            views of nearly the same size share an encoding. 0: as it is.
+        needed: The width that is needed, in px; it is rounded up to one of SIZES, so that views of
+            nearly the same size share an encoding, and no image is made larger. 0: as it is.
         width: The width in px, 0: by the height, or as it is. Both together are made smaller where
             the image would have more than MAX_ENLARGED px and more than it came with.
         height: The height in px, 0: by the width, or as it is.
@@ -61,7 +61,7 @@ class Wish(NamedTuple):
         turned: By half a turn.
     """
 
-    longest: int = 0
+    needed: int = 0
     width: int = 0
     height: int = 0
     quality: int = 80
@@ -82,16 +82,15 @@ class Wish(NamedTuple):
         elif self.width or self.height:
             scales = (self.width / width if self.width else self.height / height,) * 2
         else:
-            longest = max(width, height)
-            scales = (min(1.0, (rounded_up(self.longest) or longest) / longest),) * 2
+            scales = (min(1.0, (rounded_up(self.needed) or width) / width),) * 2
         wide, high = width * scales[0], height * scales[1]
         shrink = min(1.0, math.sqrt(max(width * height, MAX_ENLARGED) / (wide * high)))
         return max(1, round(wide * shrink)), max(1, round(high * shrink))
 
 
-def rounded_up(longest: int) -> int:
+def rounded_up(needed: int) -> int:
     """Returns the one of SIZES that is large enough, or 0 if none is, or none is asked for."""
-    return next((size for size in SIZES if size >= longest), 0) if longest else 0
+    return next((size for size in SIZES if size >= needed), 0) if needed else 0
 
 
 _of_thread = threading.local()

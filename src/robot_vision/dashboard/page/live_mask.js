@@ -1,6 +1,6 @@
 /** The mask of a node, drawn over its image while it is looked at. */
 
-const WIDTH = 640; // px, the longest side that masks are sent with
+const WIDTH = 640; // px, the width that masks are sent with
 const TINT = [255, 0, 200, 150]; // RGBA of what is in the mask
 const SET = 127; // a pixel above this is in the mask
 const PNG = 3; // kind of a payload
