@@ -64,10 +64,17 @@ class FeaturePage:
     Args:
         features: What has operations.
         draws: Whether it acknowledges what it gets on channels.
+
+    Attributes:
+        reads: Set while its connection takes what is sent; cleared, it takes one message more.
+        ended: The code and the reason with which the session was closed, if it was.
     """
 
     def __init__(self, *features, role="control", draws=True):
         self.draws = draws
+        self.reads = threading.Event()
+        self.reads.set()
+        self.ended = ()
         self.pushed = []  # kinds and data
         self.sent = []  # channels and whole messages
         self._answers = {}  # by id
@@ -75,9 +82,7 @@ class FeaturePage:
         self._table = OperationTable(one for feature in features for one in feature.operations)
         self._loop = asyncio.new_event_loop()
         threading.Thread(target=self._loop.run_forever, daemon=True).start()
-        self.session = Session(
-            next(_numbers), role, self._call, self._write, lambda _: self.session.end()
-        )
+        self.session = Session(next(_numbers), role, self._call, self._write, self._finish)
 
     def request(self, name, /, **fields):
         """The result of an operation; raises RefusedError with the text of an error."""
@@ -146,6 +151,10 @@ class FeaturePage:
 
         self._loop.call_soon_threadsafe(run)
 
+    def _finish(self, *code_and_reason):
+        self.ended = code_and_reason
+        self.session.end()
+
     async def _write(self, data, binary):
         message = json.loads(data)
         if "id" in message:
@@ -157,3 +166,5 @@ class FeaturePage:
         else:
             self.pushed.append((message["push"], message["data"]))
         support.arrived.set()
+        while not self.reads.is_set():
+            await asyncio.sleep(0.01)

@@ -11,15 +11,51 @@ from .sessions import Session
 from .settings import Settings
 
 MAX_KEPT = 1000  # lines
-MAX_PUSH = 200000  # bytes of the lines in one push; a page gets a fifth of what may wait
+MAX_PUSH = 200000  # bytes of the lines in one push, a fifth of what may wait for a page
 PERIOD = 0.1  # s between two pushes
+
+
+class Reader:
+    """What a session is to get of the log.
+
+    Args:
+        level: The least level of its lines.
+        older: The lines that it gets first.
+    """
+
+    def __init__(self, level: int, older: Iterable[LogLine]):
+        self._level = level
+        self._lines: Deque[LogLine] = collections.deque(maxlen=MAX_KEPT)
+        self._left_out = 0
+        for line in older:
+            self.add(line)
+
+    @property
+    def waits(self) -> bool:
+        """Whether there are lines for it."""
+        return bool(self._lines)
+
+    def add(self, line: LogLine) -> None:
+        """Adds a line, in place of the oldest one if too many wait."""
+        if line.level >= self._level:
+            self._left_out += len(self._lines) == MAX_KEPT
+            self._lines.append(line)
+
+    def take(self) -> Dict[str, Any]:
+        """Returns the newest of its lines, and how many before them it does not get."""
+        entries = newest(list(self._lines))
+        left_out = self._left_out + len(self._lines) - len(entries)
+        self._lines.clear()
+        self._left_out = 0
+        return {"entries": [line._asdict() for line in entries], "left_out": left_out}
 
 
 class LogFeature:
     """Pushes lines of the log to sessions: those that are kept, then what comes.
 
     It subscribes while a session looks. So what is kept begins with the first one, and is forgotten
-    after the last.
+    after the last. A session that has not taken a push gets no other one: lines are left out of
+    what it gets then, and what else the page is sent goes on.
     """
 
     def __init__(self, settings: Settings):
@@ -28,12 +64,9 @@ class LogFeature:
             Operation("close_log", self._on_close, "view"),
         ]
         self._changed = threading.Condition()  # guards all below
-        self._levels: Dict[Session, int] = {}
+        self._readers: Dict[Session, Reader] = {}
         self._known: Set[Session] = set()  # those whose end is told to this object
         self._kept: Deque[LogLine] = collections.deque(maxlen=MAX_KEPT)
-        self._new: Deque[LogLine] = collections.deque(maxlen=MAX_KEPT)
-        self._left_out: Dict[Session, int] = {}  # lines that came too fast, not told yet
-        self._pushes = 0
         self._closed = False
         self._subscribing = threading.Lock()  # held while the topic is made or closed
         self._topic: Optional[LogTopic] = None
@@ -56,9 +89,8 @@ class LogFeature:
             with self._changed:
                 is_new = session not in self._known
                 self._known.add(session)
-                self._levels[session] = request["level"]
-                older = list(self._kept)[: max(len(self._kept) - len(self._new), 0)]
-                self._push([session], older)  # what is new comes with the next push to all
+                self._readers[session] = Reader(request["level"], self._kept)
+                self._changed.notify()
         if is_new:
             session.on_close(lambda: self._end(session))
         return {}
@@ -75,51 +107,38 @@ class LogFeature:
     def _forget(self, session: Session) -> None:
         with self._subscribing:
             with self._changed:
-                self._levels.pop(session, None)
-                self._left_out.pop(session, None)
-                if self._levels:
+                self._readers.pop(session, None)
+                if self._readers:
                     return
                 self._kept.clear()
-                self._new.clear()
             if self._topic is not None:
                 self._topic.close()
                 self._topic = None
 
     def _on_line(self, line: LogLine) -> None:
         with self._changed:
-            if len(self._new) == MAX_KEPT:
-                self._leave_out(self._new[0])
-            self._new.append(line)
             self._kept.append(line)
+            for reader in self._readers.values():
+                reader.add(line)
             self._changed.notify()
-
-    def _leave_out(self, line: LogLine) -> None:
-        for session, level in self._levels.items():
-            if line.level >= level:
-                self._left_out[session] = self._left_out.get(session, 0) + 1
 
     def _run(self) -> None:
         pause = threading.Event()  # that is never set
         while True:
             with self._changed:
-                self._changed.wait_for(lambda: self._closed or self._new)
+                self._changed.wait_for(
+                    lambda: self._closed or any(one.waits for one in self._readers.values())
+                )
                 if self._closed:
                     return
-                new, self._new = self._new, collections.deque(maxlen=MAX_KEPT)
-                self._push(list(self._levels), new)
+                self._push()
             pause.wait(PERIOD)  # so that many lines go in one push
 
-    def _push(self, sessions: Iterable[Session], lines: Iterable[LogLine]) -> None:
-        """Pushes the newest of the lines, and how many are left out. The lock must be held."""
-        for session in sessions:
-            level = self._levels[session]
-            wanted = [line for line in lines if line.level >= level]
-            entries = newest(wanted)
-            left_out = len(wanted) - len(entries) + self._left_out.pop(session, 0)
-            if entries or left_out:
-                self._pushes += 1
-                data = {"entries": [line._asdict() for line in entries], "left_out": left_out}
-                session.push("log", data, str(self._pushes))
+    def _push(self) -> None:
+        """Pushes lines to those who have taken what they got before. The lock must be held."""
+        for session, reader in self._readers.items():
+            if reader.waits and not session.has_waiting("log"):
+                session.push("log", reader.take())
 
 
 def newest(lines: List[LogLine]) -> List[LogLine]:

@@ -85,6 +85,11 @@ class Outbox:
         elif start:
             self._call(self._drain)
 
+    def has(self, key: Hashable) -> bool:
+        """Returns whether a message with a key waits. Thread-safe."""
+        with self._lock:
+            return key in self._messages
+
     def discard(self, wanted: Callable[[Hashable], bool]) -> None:
         """Forgets the messages that wait whose keys are wanted no more. Thread-safe."""
         with self._lock:

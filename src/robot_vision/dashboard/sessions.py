@@ -68,9 +68,13 @@ class Session:
         """Sends something that the page has not asked for just now. Thread-safe.
 
         A push that still waits for the connection is replaced by the next one of the same kind and
-        key: pushes that add to one another, as lines of a log, each need a key of their own.
+        key: of pushes that add to one another, as lines of a log, only one may wait.
         """
         self._send({"push": kind, "data": data}, ("push", kind, key))
+
+    def has_waiting(self, kind: str, key: str = "") -> bool:
+        """Returns whether a push of a kind and key waits for the connection. Thread-safe."""
+        return self._outbox.has(("push", kind, key))
 
     def channel(self, number: int) -> Channel:
         """Opens a channel.
