@@ -450,6 +450,14 @@ BAGS = [  # of images the node chooses the form, and each topic can be had as it
     ("isWhole('stopped; nothing has come on /a')", False),
     ("isWhole('failed: the disk is full')", False),
 ]
+YEAR_OF = {"12.3": "2023", "0": "2023", "1.4e9": "2014"}  # of a simulator, of none, of a robot
+ROW = "bagRow({name: 'a', start: %s, changed: 1.7e9, size: 1, duration: 1, topics: []}).innerText"
+YEARS = [(f"{ROW % start}.match(/20\\d\\d/)[0]", year) for start, year in YEAR_OF.items()]
+LINE = "rowOf({level: 2, stamp: %s, node: '', text: ''}).querySelector('time').innerText"
+LINES_OF_LOG = [
+    (LINE % "12.3", "12.300 s"),
+    (f"{LINE % '1.7e9 + 0.25'}.slice(-7)", ":20.250"),
+]
 SCALES = [
     ("shortNumber(2147483647)", "2147483647"),
     ("shortNumber(0.1 + 0.2)", "0.3"),
@@ -472,6 +480,8 @@ CLOUD = (
 PARTS = {
     "scene_topics": [(CLOUD, ["a", "b", "messages", "points"])],
     "bag_offers": BAGS,
+    "bag_rows": YEARS,
+    "log_rows": LINES_OF_LOG,
     "parameter_scale": SCALES,
     "image_view": IMAGES,
     "channels": CHANNELS,

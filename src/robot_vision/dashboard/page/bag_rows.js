@@ -2,6 +2,7 @@
 
 import { sizeText, timeText } from "./bag_offers.js";
 import { el } from "./dom.js";
+import { isSimulated } from "./stamps.js";
 
 /**
  * @param {any} bag
@@ -9,7 +10,7 @@ import { el } from "./dom.js";
  * @returns {HTMLElement}
  */
 export function bagRow(bag, remove) {
-  const when = new Date((bag.start || bag.changed) * 1000);
+  const when = new Date((isSimulated(bag.start) ? bag.changed : bag.start) * 1000);
   const date = when.toLocaleString([], { dateStyle: "medium", timeStyle: "short" });
   const what = [sizeText(bag.size), bag.topics || bag.duration ? timeText(bag.duration) : "", date];
   const row = el(

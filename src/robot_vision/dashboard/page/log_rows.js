@@ -1,6 +1,7 @@
 /** The lines of the log as the page shows them. */
 
 import { el } from "./dom.js";
+import { isSimulated } from "./stamps.js";
 
 export const LEVELS = {
   1: ["debug", "dim"],
@@ -12,6 +13,7 @@ export const LEVELS = {
 
 /** @param {number} stamp s */
 function clockTime(stamp) {
+  if (isSimulated(stamp)) return `${stamp.toFixed(3)} s`;
   const time = new Date(stamp * 1000);
   const two = (value) => String(value).padStart(2, "0");
   const ms = String(time.getMilliseconds()).padStart(3, "0");

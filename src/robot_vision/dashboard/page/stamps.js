@@ -5,6 +5,7 @@ const MAX_AGE = 0.5; // s that a message may be from the image it is drawn on
 const KEPT = 40; // messages, and images
 const MAX_HOLD = 150; // ms that an image waits for its messages
 const MIN_SHARE = 0.4; // of the images; a node that works on fewer is not waited for
+const MIN_WALL_TIME = 1e9; // s, the year 2001
 
 /** The last messages of a topic. */
 export class StampBuffer {
@@ -84,4 +85,12 @@ export class Pairing {
     const usual = lags[Math.floor(0.9 * (lags.length - 1))];
     return usual > MAX_HOLD ? 0 : Math.min(MAX_HOLD, 1.3 * usual + 8);
   }
+}
+
+/**
+ * Whether a stamp is of a simulator's time, which mostly begins at 0, and so tells no date.
+ * @param {number} stamp s
+ */
+export function isSimulated(stamp) {
+  return stamp < MIN_WALL_TIME;
 }
