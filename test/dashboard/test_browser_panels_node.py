@@ -562,6 +562,23 @@ def test_an_image_that_is_still_chosen_keeps_its_camera_info(page, play):
     count("Choose what to record")
 
 
+def test_each_camera_of_a_node_has_one_tile_however_many_there_are(page, play):
+    images = ["/left/image_raw", "/right/image_raw"]
+    views = [
+        {"node": "/rig", "title": image, "image": image, "overlays": [], "processed": ""}
+        for image in images
+    ]
+    played = play([node("/rig", publishes=images)], views[:1], images)
+    drawn = "robotVision.tiles.list().filter((one) => one.view.drawn)"
+    shown = f"{drawn}.map((one) => one.image).sort()"
+    for count, here in ((1, images[:1]), (2, images), (1, images), (2, images)):
+        played.graph["views"] = views[:count]  # the last image of what has gone stays
+        played.sessions[-1].push("graph", played.graph)
+        page.wait(f"robotVision.graph.views.length === {count}")
+        page.wait(f"JSON.stringify({shown}) === JSON.stringify(arguments[0])", here)
+        assert page.value("robotVision.tiles.list().length") == len(here)
+
+
 def test_what_is_pushed_before_the_parameters_are_told_is_newer(page, play):
     tuned = Tuned(play, eye=[parameter("size", 2.0)])
 

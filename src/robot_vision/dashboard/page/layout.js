@@ -54,6 +54,15 @@ export function keyViews(views) {
   );
 }
 
+/**
+ * Whether a view is among others, by whatever key: that changes with the number of a node's views.
+ * @param {Map<string, View>} views
+ * @param {View} view
+ */
+export function hasView(views, { node, image }) {
+  return [...views.values()].some((other) => other.node === node && other.image === image);
+}
+
 /** @param {View} view */
 function rank(view) {
   if (!view.overlays.length && !view.processed) return -1; // a camera

@@ -1,7 +1,7 @@
 /** All images of the page: which there are, how they are arranged, and what tools do with them. */
 
 import { EmptyPage } from "./empty_page.js";
-import { keyViews, orderKeys } from "./layout.js";
+import { hasView, keyViews, orderKeys } from "./layout.js";
 import { Streams } from "./streams.js";
 import { Tile } from "./tile.js";
 import { dragByHeader } from "./tile_drag.js";
@@ -53,8 +53,8 @@ export class Tiles extends TileGrid {
     }
     for (const tile of this.tiles.values()) {
       // what has gone stays with its last image
-      if (!views.has(tile.key) && tile.view.drawn && !tile.key.startsWith("topic "))
-        views.set(tile.key, tile.source);
+      if (views.has(tile.key) || !tile.view.drawn || tile.key.startsWith("topic ")) continue;
+      if (!hasView(views, tile.source)) views.set(tile.key, tile.source);
     }
     return views;
   }
