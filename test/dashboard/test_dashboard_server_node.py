@@ -162,6 +162,29 @@ def test_it_ends_at_once_whatever_its_pages_do(start):
         page.end()
 
 
+IN_THE_JOURNAL = """
+import os
+status = os.fstat(1)
+os.environ["JOURNAL_STREAM"] = f"{status.st_dev}:{status.st_ino}"
+from robot_vision.dashboard.dashboard import main
+main()
+"""
+
+
+def test_what_is_kept_in_the_journal_has_no_token(run_script):
+    process = run_script(IN_THE_JOURNAL, "_port:=0", "_view_token:=my-view-secret")
+    process.wait_for_output("is kept in a log")
+    path = pathlib.Path(re.search(r"the address is in (\S+),", process.output())[1])
+    assert path.parent == pathlib.Path(os.environ["ROS_HOME"]) and path.stat().st_mode == 0o100600
+    text = path.read_text()
+    host, _, token = re.match(ADDRESS, text.splitlines()[0]).groups()
+    assert get(f"http://{host}/?token={token}").code == 302 and "?token=my-view-secret" in text
+    rospy.wait_for_service("/dashboard/print_address", support.DEADLINE)
+    answer = rospy.ServiceProxy("/dashboard/print_address", Trigger)()
+    assert answer.message == f"the address is in {path}"
+    assert token not in process.output() and "my-view-secret" not in process.output()
+
+
 def test_while_nobody_looks_it_subscribes_to_nothing(dashboard):
     page = page_of(dashboard)
     page.read()

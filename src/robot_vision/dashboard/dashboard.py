@@ -15,8 +15,11 @@ from .access import Access, is_loopback
 from .features import close_all, make_features, operations_of, routes_of
 from .log_bridge import log_through_ros
 from .open_browser import open_browser
+from .private_address import is_kept, write_address
 from .server import Server, bind
 from .settings import read_settings
+
+STDOUT = 1  # descriptor of what is printed
 
 
 class Dashboard:
@@ -61,15 +64,25 @@ class Dashboard:
         if settings.open_browser:
             open_browser(self._access.url_with_code(settings.address))
 
-    def _print_address(self) -> None:
-        """Prints the address with its token, which no log shall have: others can read that."""
-        print(f"dashboard: {self._access.url(self._address)}", flush=True)
+    def _print_address(self) -> str:
+        """Prints the address with its token, which no log shall have: others can read that.
+
+        Returns:
+            Where it is, in words.
+        """
+        lines = [f"dashboard: {self._access.url(self._address)}"]
         if self._access.view_token:
-            print(f"to look only: {self._access.url(self._address, 'view')}", flush=True)
+            lines.append(f"to look only: {self._access.url(self._address, 'view')}")
+        text = "\n".join(lines)
+        if is_kept(STDOUT):
+            path = write_address(rospy.get_name(), text + "\n")
+            rospy.logwarn("the address is in %s, for what is printed here is kept in a log", path)
+            return f"the address is in {path}"
+        print(text, flush=True)
+        return "the address is printed where the dashboard was started"
 
     def _on_print_address(self, _request: Any) -> TriggerResponse:
-        self._print_address()
-        return TriggerResponse(True, "the address is printed where the dashboard was started")
+        return TriggerResponse(True, self._print_address())
 
     def _close(self) -> None:
         self._server.close()
