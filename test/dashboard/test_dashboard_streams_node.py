@@ -236,6 +236,22 @@ def test_jpegs_of_a_camera_go_on_byte_for_byte(page, dashboard):
     jpeg.close()
 
 
+@pytest.mark.parametrize("name, sizes", [("image/compressed", (160, 640)), ("photo", (640, 640))])
+def test_jpegs_are_made_smaller_only_for_who_wants_a_low_quality(page, dashboard, name, sizes):
+    jpeg = Topic(f"{new_topic()}/{name}", CompressedImage)
+    pages = [page, dashboard.page()]
+    for one, quality in zip(pages, (50, 80)):
+        one.ask("image", channel=1, topic=jpeg.name, width=160, quality=quality)
+    sent = compressed(".jpg", smooth(480, 640), "bgr8; jpeg compressed bgr8")
+    with sent_again_and_again(jpeg, sent):
+        frames = [one.frame() for one in pages]
+    assert tuple(frame.image.shape[1] for frame in frames) == sizes
+    assert all((frame.width, frame.height) == (640, 480) for frame in frames)
+    assert frames[1].payload == sent.data
+    pages[1].end()
+    jpeg.close()
+
+
 def test_images_go_on_after_the_master_is_another_one(start):
     master = support.Master(start)
     small = ("_image_width:=320", "_image_height:=240")

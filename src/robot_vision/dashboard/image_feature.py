@@ -1,5 +1,6 @@
 """Images for the page, each on a channel of its session."""
 
+import contextlib
 from typing import Any, Dict, List
 
 from .channels import Channel
@@ -10,9 +11,11 @@ from .operations import Operation
 from .pictures import Picture, Wish
 from .sessions import MAX_CHANNEL
 from .settings import Settings
+from .watched_topic import Handle
 from .web_video_handlers import web_video_routes
 
 MAX_SIDE = 16384  # px that can be asked for
+USUAL_QUALITY = 80  # %, of JPEG, that a page asks for unless somebody has chosen another one
 
 
 class ChannelViewer(Viewer):
@@ -72,7 +75,7 @@ class ImageFeature:
         viewer = ChannelViewer(session, channel)
         wish = Wish(needed=int(fields["width"]), quality=int(fields["quality"]))
         try:
-            handle = self._hub.view(fields["topic"], wish, viewer)
+            handle = self._view(fields["topic"], wish, viewer)
         except BaseException:
             session.close_channel(number)
             raise
@@ -80,3 +83,10 @@ class ImageFeature:
         channel.on_close(handle.close)
         handle.wake()  # An acknowledgement may have come in between.
         return {}
+
+    def _view(self, topic: str, wish: Wish, viewer: Viewer) -> Handle:
+        """Shows a topic; what comes compressed is made smaller only if less is asked for."""
+        if wish.quality < USUAL_QUALITY:
+            with contextlib.suppress(ValueError):  # Of some topics only the bytes can be used.
+                return self._hub.view(topic, wish, viewer, passed=False)
+        return self._hub.view(topic, wish, viewer)
