@@ -45,6 +45,8 @@ def trained(plan: Plan, work: pathlib.Path) -> Training:
     work.mkdir(parents=True, exist_ok=True)
     training = Training(plan, work / "checkpoint.pt")
     begin, losses = time.monotonic(), []
+    if training.step:
+        print(f"goes on from step {training.step} of {plan.steps}, as {work} has it", flush=True)
 
     def after(step: int, loss: float) -> None:
         losses.append(loss)
@@ -82,6 +84,7 @@ def main() -> None:
         print(f"AP50 of {name}: {ap:.4f}")
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
     (args.output / "SHA256SUMS").write_text(f"{digest}  {NAME}\n")
+    training.finish()
     print(f"{path}: {path.stat().st_size} bytes, mean AP50 {np.mean(found):.4f}, SHA-256 {digest}")
 
 

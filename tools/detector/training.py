@@ -79,6 +79,10 @@ class Training:
         torch.save({"plan": tuple(self.plan), "step": self.step, **state}, fresh)
         fresh.replace(self._checkpoint)
 
+    def finish(self) -> None:
+        """Forgets where it was: a checkpoint does not know what has changed in the code since."""
+        self._checkpoint.unlink(missing_ok=True)
+
     def run(self, album: Album, after: Callable[[int, float], None]) -> None:
         """Trains until all steps are done; calls after(step, loss) after each."""
         first, last = self.step * BATCH, self.plan.steps * BATCH
