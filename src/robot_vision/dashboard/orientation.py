@@ -4,6 +4,7 @@ Browsers turn an image as its EXIF data says, and decoders of this package do no
 and what people select is in pixels as the sensor had them.
 """
 
+import re
 import struct
 from typing import Iterator, Tuple
 
@@ -11,6 +12,7 @@ from .channels import PNG
 
 _APP1, _SCAN = 0xE1, 0xDA  # JPEG's markers of what may be EXIF, and of the pixels
 _EXIF = b"Exif\0\0"
+_FILL = re.compile(b"\xff+")
 _PNG_BEGIN = 8  # bytes before the first chunk
 _PNG_AROUND = 12  # bytes of a chunk that are not its data
 _CHUNK = struct.Struct(">I4s")
@@ -36,7 +38,7 @@ def _jpeg_exif(data: bytes) -> Iterator[Tuple[int, int]]:
     at = 2
     while at + 4 <= len(data) and data[at] == 0xFF and data[at + 1] != _SCAN:
         if data[at + 1] == 0xFF:  # before a marker there may be any number of these
-            at += 1
+            at = _FILL.match(data, at).end() - 1
             continue
         end = at + 2 + int.from_bytes(data[at + 2 : at + 4], "big")
         if data[at + 1] == _APP1 and data.startswith(_EXIF, at + 4):
