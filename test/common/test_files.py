@@ -1,10 +1,9 @@
 """Files are read with care, and replaced in one step, whatever is at their path."""
 
 import contextlib
-import itertools
 import os
-import signal
 import stat
+import subprocess
 import sys
 
 import pytest
@@ -153,53 +152,64 @@ def test_new_files_are_made_without_hard_links(tmp_path, monkeypatch):
     assert sorted(os.listdir(tmp_path)) == ["a-1.png", "a.png"]
 
 
-def killed_at_each_call(work):
-    """Runs `work` in processes, each of which is killed (-9) one call of a C function later.
+KILLED = """
+import itertools, os, signal, sys
+from robot_vision.common import files
 
-    Yields after each death, and returns when the work ends before it is killed.
+os.fsync = lambda _: None  # slow, and does not matter to other processes
+work, *words = sys.argv[1:]
+for deadly in itertools.count(1):
+    pid = os.fork()
+    if pid == 0:
+        calls = itertools.count(1)
+
+        def count(_frame, event, _function):
+            if event in ("c_call", "c_return") and next(calls) == deadly:
+                os.kill(os.getpid(), signal.SIGKILL)
+
+        try:
+            sys.setprofile(count)
+            getattr(files, work)(*words, b"new " * 10000)
+        finally:
+            os._exit(0)
+    if os.WIFEXITED(os.waitpid(pid, 0)[1]):
+        break
+    print("killed", flush=True)
+    sys.stdin.readline()
+"""
+
+
+def killed_at_each_call(work, *words):
+    """Has a function of files.py write NEW in processes that are killed (-9), each a call later.
+
+    Yields after each death, and returns when the work ends before it is killed. The processes are
+    forked from a small one, which this one need not be.
     """
-    for deadly in itertools.count(1):
-        pid = os.fork()
-        if pid == 0:
-            calls = itertools.count(1)
-
-            def count(_frame, event, _function, calls=calls, deadly=deadly):
-                if event in ("c_call", "c_return") and next(calls) == deadly:
-                    os.kill(os.getpid(), signal.SIGKILL)
-
-            try:
-                sys.setprofile(count)
-                work()
-            finally:
-                os._exit(0)
-        if os.WIFEXITED(os.waitpid(pid, 0)[1]):
-            return
-        yield
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    words = [sys.executable, "-c", KILLED, work, *map(str, words)]
+    with subprocess.Popen(words, bufsize=0, **pipes) as process:
+        while process.stdout.readline():
+            yield
+            process.stdin.write(b"\n")
+    assert process.returncode == 0
 
 
-def test_file_is_the_old_or_the_new_one_when_killed_at_any_call(tmp_path, monkeypatch):
-    monkeypatch.setattr(os, "fsync", lambda _: None)  # slow, and does not matter to other processes
+def test_file_is_the_old_or_the_new_one_when_killed_at_any_call(tmp_path):
     path = tmp_path / "file.yaml"
     path.write_bytes(OLD)
     seen = []
-    for _ in killed_at_each_call(lambda: replace_file(str(path), NEW)):
+    for _ in killed_at_each_call("replace_file", path):
         seen.append(path.read_bytes())
     assert set(seen) == {OLD, NEW} and len(seen) > 10
     assert seen == sorted(seen, reverse=True)  # first the old one
     assert path.read_bytes() == NEW
 
 
-@pytest.mark.parametrize(
-    "create",
-    [
-        lambda folder: create_file(f"{folder}/a.png", NEW),
-        lambda folder: add_file(folder, "a", ".png", NEW),
-    ],
-)
-def test_new_file_is_complete_or_missing_when_killed_at_any_call(tmp_path, monkeypatch, create):
-    monkeypatch.setattr(os, "fsync", lambda _: None)
+@pytest.mark.parametrize("work", ["create_file", "add_file"])
+def test_new_file_is_complete_or_missing_when_killed_at_any_call(tmp_path, work):
+    words = [tmp_path / "a.png"] if work == "create_file" else [tmp_path, "a", ".png"]
     deaths = 0
-    for _ in killed_at_each_call(lambda: create(str(tmp_path))):
+    for _ in killed_at_each_call(work, *words):
         deaths += 1
         for path in tmp_path.glob("[!.]*.png"):
             assert path.read_bytes() == NEW
