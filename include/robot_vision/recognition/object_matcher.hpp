@@ -29,7 +29,7 @@ struct ObjectMatchParams
   static void fields(Visit&& visit)
   {
     visit("max_candidates", &ObjectMatchParams::max_candidates, Range{1, 1000}, "",
-          "of each object, the best; up to as many more where other pieces of it seem to be");
+          "of each object, the best; with depths up to as many more where other pieces of it seem to be");
     visit("min_score", &ObjectMatchParams::min_score, Range{0, 1}, "", "least score of a candidate");
     visit("min_distance", &ObjectMatchParams::min_distance, Range{0.05, 100}, "m",
           "nearest that objects are looked for");

@@ -213,9 +213,9 @@ void CandidateSearch::locate(Guess& guess) const
   guess.middle = guess.pose.anchor + guess.pose.rotation * model_.view(guess.view).center;
 }
 
-/// The best, without those that are within this distance (m) and angle (rad) of a better one. Up to as many more are a
-/// few poses of each other spot where the object seems to be: one piece of it may have all of the best, which differ by
-/// turns alone.
+/// The best, without those that are within this distance (m) and angle (rad) of a better one. Where there are depths,
+/// up to as many more are a few poses of each other spot where the object seems to be: one piece of it may have all of
+/// the best, which differ by turns alone. Without depths the other spots are before and behind it.
 std::vector<Guess> CandidateSearch::bestOf(std::vector<Guess> guesses, std::size_t count, double distance,
                                            double angle) const
 {
@@ -225,11 +225,12 @@ std::vector<Guess> CandidateSearch::bestOf(std::vector<Guess> guesses, std::size
   std::sort(order.begin(), order.end());
   NearPlaces near(distance);
   SpotCounts spots(kSpot * model_.model().extent.diameter);
+  const std::size_t most = frame_.hasDepth() ? 2 * count : count;
   std::vector<Guess> best;
   for (const auto& [score, i] : order)
   {
     const bool is_more = best.size() >= count;
-    if (is_more && (best.size() == 2 * count || guesses[i].score < kMinMore)) break;
+    if (is_more && (best.size() == most || guesses[i].score < kMinMore)) break;
     Guess& guess = guesses[i];
     locate(guess);
     const bool is_known = near.anyNear(guess.middle,

@@ -78,7 +78,8 @@ const std::vector<Trial>& ModelTrials::run(const RecognitionFrame& frame, const 
   best_.clear();
   for (const Hypothesis& hypothesis : promising(frame, shape, candidates, report))
   {
-    if (triedInVain() >= params_.max_refined) break;
+    // Without depths all trials count: places before and behind an object look like it, too.
+    if ((frame.hasDepth() ? triedInVain() : report.refined) >= params_.max_refined) break;
     Place& place = placeOf(hypothesis, shape.extent());
     if (place.tried >= params_.max_per_place || isDecided(place, hypothesis, shape)) continue;
     ++place.tried;
