@@ -61,7 +61,10 @@ void bindTracker(py::module& m)
            "The BallState at a time (s), from a BallMeasurement, or predicted for None and for a measurement too far "
            "off; None once the ball is lost.\n\n"
            "Raises ValueError for numbers that are not finite.")
-      .def("predict", &BallTracker::predict, "time_s"_a, "The BallState expected at a time (s), or None.");
+      .def("predict", &BallTracker::predict, "time_s"_a,
+           "The BallState that update() would return at a time (s) for None, or None.")
+      .def("expected", &BallTracker::expected, "time_s"_a,
+           "The BallState that update() compares a measurement at a time (s) with, or None.");
 }
 
 void bindBall(py::module& m)

@@ -129,6 +129,7 @@ TEST(BallTracker, losesTheBallAfterMaxPrediction)
   EXPECT_TRUE(tracker.update(1.499, std::nullopt));
   EXPECT_FALSE(tracker.predict(1.501));
   EXPECT_TRUE(tracker.predict(1.499));
+  EXPECT_FALSE(tracker.expected(1.501));  // it was not seen in the frame before
   EXPECT_FALSE(tracker.update(1.501, std::nullopt));
   EXPECT_FALSE(tracker.update(1.49, std::nullopt));
   const std::optional<BallState> elsewhere = tracker.update(1.6, BallMeasurement{{600, 20}, 9.0});
@@ -149,9 +150,27 @@ TEST(BallTracker, followsABallThatIsSeenInEachFrameHoweverRareTheyAre)
   ASSERT_TRUE(state);
   EXPECT_NEAR(state->velocity.x, (straight(1.0).center - straight(0.0).center).x, 1.0);
   EXPECT_FALSE(BallTracker(tracker).update(10.0, std::nullopt));
+  EXPECT_FALSE(tracker.predict(10.0));
+  EXPECT_LT(cv::norm(tracker.expected(10.0)->center - straight(10.0).center), 1.0);
+  EXPECT_FALSE(tracker.expected(12.0));
   const BallMeasurement elsewhere{{600, 20}, 9.0};
-  EXPECT_FALSE(BallTracker(tracker).update(10.0, elsewhere)->center == elsewhere.center);  // it is outside of the gate
   EXPECT_EQ(tracker.update(12.0, elsewhere)->center, elsewhere.center);
+}
+
+TEST(BallTracker, predictsNoBallForLongerThanMaxPredictionBecauseOfAnother)
+{
+  const BallMeasurement elsewhere{{-6000, 20}, 9.0};  // outside of the gate, which is wide after half a second
+  for (const double max_prediction : {0.0, 0.3, 0.6})
+  {
+    BallTrackerParams params;
+    params.max_prediction = max_prediction;
+    BallTracker tracker(params);
+    for (int i = 0; i < 20; ++i)
+      tracker.update(0.5 * i, straight(0.5 * i));
+    const std::optional<BallState> state = tracker.update(10.0, elsewhere);
+    EXPECT_EQ(state->predicted, max_prediction > 0.5) << max_prediction;
+    EXPECT_EQ(state->center == elsewhere.center, max_prediction < 0.5) << max_prediction;
+  }
 }
 
 TEST(BallTracker, ignoresMeasurementsOutsideOfTheGate)

@@ -489,6 +489,22 @@ def test_a_ball_in_images_of_another_size_is_another_one(start):
     assert overlay[150:].max() == 0
 
 
+def test_a_ball_is_followed_beside_a_larger_one_though_it_may_not_be_predicted(start):
+    camera = Camera(10.0)
+    start("ball_tracker.py", "__name:=ball", f"image:={camera.topic}", "_max_prediction:=0.0")
+    objects = support.subscribed("/ball/objects", DetectionArray)
+    camera.wait_for()
+    for step in range(12):
+        image = np.zeros_like(DISC)
+        center = 100 + 5 * step, 240
+        cv2.circle(image, center, 20, (255, 0, 0), -1)
+        if step > 4:
+            cv2.circle(image, (500, 120), 45, (255, 0, 0), -1)
+        (ball,) = objects.of(camera.show(image).stamp).detections
+        assert not ball.predicted
+        assert (ball.center.x, ball.center.y) == pytest.approx(center, abs=1.5), step
+
+
 def test_the_trail_of_a_ball_begins_anew_after_a_rest(start):
     camera = Camera(10.0)
     start("ball_tracker.py", "__name:=ball", f"image:={camera.topic}")

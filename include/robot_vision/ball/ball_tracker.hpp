@@ -62,13 +62,17 @@ public:
   /// Updates the track with the measurement of the frame at `time_s` (s, of any clock), or with none. A measurement
   /// outside of the gate counts as none. Returns the state of the ball, which is predicted if there is no measurement.
   /// After max_prediction seconds without one the ball is lost: nothing is returned, and the next measurement begins a
-  /// new ball. So does one that is more than max_prediction, and more than 2 s, later than the frame before. A time
-  /// that goes backwards makes the tracker forget the ball. Throws std::invalid_argument for numbers that are not
-  /// finite, and for a negative radius.
+  /// new ball, as one outside of the gate does then. So does any that is more than max_prediction, and more than 2 s,
+  /// later than the frame before. A time that goes backwards makes the tracker forget the ball. Throws
+  /// std::invalid_argument for numbers that are not finite, and for a negative radius.
   std::optional<BallState> update(double time_s, const std::optional<BallMeasurement>& measured);
 
   /// The state that update(time_s) without a measurement would return.
   std::optional<BallState> predict(double time_s) const;
+
+  /// What update() compares a measurement at `time_s` with; nothing if that would begin a new ball wherever it is. A
+  /// ball that was seen in the frame before is expected for 2 s, even if max_prediction is less.
+  std::optional<BallState> expected(double time_s) const;
 
 private:
   void start(double time_s, const BallMeasurement& measured);

@@ -33,16 +33,22 @@ std::optional<BallState> BallTracker::update(double time_s, const std::optional<
     requireFinite("center.y", measured->center.y);
     require(measured->radius >= 0.0 && std::isfinite(measured->radius), "radius", measured->radius, "at least 0 (px)");
   }
-  if (time_s < time_ || time_s - measured_ > longestGap(measured.has_value())) tracking_ = false;
+  const double gap = time_s - measured_;
+  if (time_s < time_ || gap > longestGap(measured.has_value())) tracking_ = false;
   if (!tracking_ && !measured) return std::nullopt;
 
-  bool found = true;
-  if (!tracking_)
-    start(time_s, *measured);
-  else
+  bool found = false;
+  if (tracking_)
   {
     advance(time_s);
     found = measured && correct(*measured);
+    // A ball may not be predicted for longer, even if something else was measured.
+    tracking_ = found || gap <= params_.max_prediction;
+  }
+  if (!tracking_)  // there is a measurement then
+  {
+    start(time_s, *measured);
+    found = true;
   }
   if (found) measured_ = time_s;
   hidden_ = !found;
@@ -52,6 +58,13 @@ std::optional<BallState> BallTracker::update(double time_s, const std::optional<
 std::optional<BallState> BallTracker::predict(double time_s) const
 {
   return BallTracker(*this).update(time_s, std::nullopt);
+}
+
+std::optional<BallState> BallTracker::expected(double time_s) const
+{
+  BallTracker tracker(*this);
+  tracker.params_.max_prediction = longestGap(true);
+  return tracker.predict(time_s);
 }
 
 /// The time since the last measurement after which the ball is lost. One that was seen in the frame before is not, just

@@ -81,7 +81,7 @@ class BallTracker:
         tracker = self._filter_for(frame, params)
         mask, regions = finder.apply(mask_of.apply(frame.image))
         time = frame.time
-        expected = tracker.predict(time)
+        expected = tracker.expected(time)
         region = choose_ball(regions, min_roundness, expected.center if expected else None)
         position = self._locate(frame, region)
         measured = None
