@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <numeric>
 #include <opencv2/imgproc.hpp>
 
 #include "support/images.hpp"
@@ -76,6 +78,91 @@ TEST(ObjectSearch, searchesTheWholeImageAtIntervals)
   for (const double time : {0.3, 0.6, 0.9})
     EXPECT_FALSE(tracker.update(time, elsewhere, "bgr8").at(0).tracked) << time;
   EXPECT_TRUE(tracker.update(1.2, elsewhere, "bgr8").at(0).tracked);
+}
+
+namespace
+{
+
+constexpr int kMany = 12;  // objects, in four columns
+constexpr std::size_t kMaxFoundInAFrame = 2;
+
+cv::Point placeOf(int number)
+{
+  return {10 + 77 * (number % 4), 10 + 77 * (number / 4)};
+}
+
+/// An image in which each of the objects is at the place with the number that it has.
+cv::Mat manyAt(const std::vector<int>& numbers)
+{
+  cv::Mat image = kBackground.clone();
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    blots({60, 60}, 300 + static_cast<int>(i)).copyTo(image(cv::Rect(placeOf(numbers[i]), cv::Size(60, 60))));
+  return image;
+}
+
+std::size_t countTracked(const std::vector<TrackedObject>& objects)
+{
+  return static_cast<std::size_t>(
+      std::count_if(objects.begin(), objects.end(), [](const TrackedObject& object) { return object.tracked; }));
+}
+
+/// A tracker that has selected objects at the places with their numbers, in the frame at time 0.
+ObjectTracker selectedMany(const std::vector<int>& numbers, const ObjectTrackerParams& params = {})
+{
+  ObjectTracker tracker(params);
+  tracker.update(0.0, manyAt(numbers), "bgr8");
+  for (const int number : numbers)
+    tracker.select({placeOf(number), cv::Size(60, 60)});
+  return tracker;
+}
+
+}  // namespace
+
+TEST(ObjectSearch, isForAFewOfManyObjectsInAFrame)
+{
+  std::vector<int> before(kMany), after(kMany);
+  std::iota(before.begin(), before.end(), 0);
+  for (int i = 0; i < kMany; ++i)
+    after[static_cast<std::size_t>(i)] = (i + 6) % kMany;
+  ObjectTracker tracker = selectedMany(before);
+  const cv::Mat image = manyAt(after);
+  std::size_t found = 0;
+  for (int frame = 1; frame <= kMany; ++frame)
+  {
+    const std::size_t now = countTracked(tracker.update(frame * kPeriod, image, "bgr8"));
+    EXPECT_LE(now, found + kMaxFoundInAFrame) << frame;
+    found = now;
+  }
+  EXPECT_EQ(found, static_cast<std::size_t>(kMany));
+}
+
+TEST(ObjectSearch, beginsWithWhatWasLostJustNow)
+{
+  std::vector<int> places(kMany - 1);
+  std::iota(places.begin(), places.end(), 0);
+  ObjectTracker tracker = selectedMany(places);
+  const std::size_t last = places.size() - 1;
+  const auto is_tracked = [&](int frame, int place)
+  {
+    cv::Mat image = kBackground.clone();
+    blots({60, 60}, 300 + static_cast<int>(last)).copyTo(image(cv::Rect(placeOf(place), cv::Size(60, 60))));
+    return tracker.update(frame * kPeriod, image, "bgr8").at(last).tracked;
+  };
+  // The other ten are lost in frame 1, and searched for in five frames from 1, 9, 17 and 25 on.
+  for (int frame = 1; frame < 26; ++frame)
+    EXPECT_TRUE(is_tracked(frame, places.back())) << frame;
+  EXPECT_TRUE(is_tracked(26, 0));
+}
+
+TEST(ObjectSearch, isInTheFrameItselfWhereFramesAreRare)
+{
+  ObjectTrackerParams params;
+  params.search_period = 10.0;
+  ObjectTracker tracker = selectedMany({0, 1, 2}, params);
+  EXPECT_EQ(countTracked(tracker.update(1.0, kBackground, "bgr8")), 0U);  // two were searched for, in vain
+  cv::Mat image = kBackground.clone();
+  blots({60, 60}, 302).copyTo(image(cv::Rect(0, 180, 60, 60)));  // too far off for a search around its last place
+  EXPECT_TRUE(tracker.update(2.0, image, "bgr8").at(2).tracked);
 }
 
 TEST(ObjectSearch, losesAHalfCoveredObjectIfMinConfidenceIsHigh)

@@ -77,9 +77,9 @@ struct FlowPoint
 /// first, so that errors do not add up, and an object that is covered, has left the image or has turned away is lost at
 /// once instead of being followed to a wrong place.
 ///
-/// Lost objects are searched for in every frame at the place where they were seen last, and at intervals in the whole
-/// image by their ORB features; what is found must look as the object did at first. No clock is read, and the results
-/// do not depend on chance.
+/// Lost objects are searched for in every frame at the place where they were seen last, and at intervals, a few of them
+/// in a frame, in the whole image by their ORB features; what is found must look as the object did at first. No clock
+/// is read, and the results do not depend on chance.
 ///
 /// A repeating pattern that moves by about half of its period between two frames is followed to its next repetition,
 /// and of two objects that look the same one may be found in the place of the other. Not thread-safe.

@@ -37,6 +37,10 @@ public:
   /// The outline that it has in a pose.
   std::vector<cv::Point2f> outlineAt(const Similarity& pose) const { return pose(model_.corners()); }
 
+  /// The last round of SearchRounds in which it was searched for; 0: none.
+  int searchRound() const { return search_round_; }
+  void setSearchRound(int round) { search_round_ = round; }
+
   /// Makes it tracked in the pose that it was selected in.
   void setSeen();
 
@@ -69,6 +73,7 @@ private:
   Similarity pose_;
   std::vector<std::size_t> seen_;  // indices of the model's points that were seen last
   std::optional<Motion> last_;     // its motion in the last frame, if it was seen there
+  int search_round_ = 0;
   TrackedObject state_;
 };
 

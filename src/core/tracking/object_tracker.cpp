@@ -10,6 +10,7 @@
 #include "followed_object.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
+#include "search_rounds.hpp"
 #include "velocity.hpp"
 
 namespace robot_vision
@@ -74,20 +75,15 @@ struct ObjectTracker::Impl
     return tryMatch(object, nearFeatures(frames.newest.gray(), cv::boundingRect(last)));
   }
 
-  /// Searches for lost objects: in every frame at their last places, and at intervals around these and everywhere.
+  /// Searches for lost objects: in every frame at their last places, and in turn around these and everywhere.
   void search(double time_s)
   {
     std::vector<FollowedObject*> lost;
     for (FollowedObject& object : objects)
       if (!object.state().tracked && !tryPose(object, object.pose())) lost.push_back(&object);
-    if (lost.empty() || (time_s >= searched && time_s < searched + params.search_period)) return;
-    searched = time_s;
-    lost.erase(std::remove_if(lost.begin(), lost.end(), [this](FollowedObject* object) { return tryNear(*object); }),
-               lost.end());
-    if (lost.empty()) return;
-    const Features features = imageFeatures(frames.newest.gray(), params.search_features);
-    for (FollowedObject* object : lost)
-      tryMatch(*object, features);
+    for (FollowedObject* object : rounds.choose(std::move(lost), time_s, params.search_period))
+      if (!tryNear(*object))
+        tryMatch(*object, rounds.features(frames.newest.gray(), params.search_features, time_s, params.search_period));
   }
 
   ObjectTrackerParams params;
@@ -95,8 +91,8 @@ struct ObjectTracker::Impl
   ConversionBuffer buffer;
   std::vector<FollowedObject> objects;
   int last_id = 0;
-  double time = 0.0;         // s, time of the newest frame
-  double searched = -1e300;  // s, when the whole image was searched last
+  double time = 0.0;  // s, time of the newest frame
+  SearchRounds rounds;
 };
 
 ObjectTracker::ObjectTracker(const ObjectTrackerParams& params) : impl_(std::make_unique<Impl>())
