@@ -158,6 +158,21 @@ def test_the_surest_are_kept():
     assert [one.weight for one in few] == weights[:3]
 
 
+def test_of_too_many_windows_the_surest_are_grouped():
+    noise = np.random.default_rng(1).integers(0, 256, (240, 320)).astype(np.uint8)
+    texture = cv2.equalizeHist(cv2.GaussianBlur(noise, (0, 0), 3.0))
+    image = cv2.cvtColor(texture, cv2.COLOR_GRAY2BGR)
+    values = {"model": "daimler", "scale": 1.02}
+    hits = opencv_detects(image, hit=-1.0, stride=4, group=0.0, **values)
+    assert len(hits) > 1500
+    expected = opencv_detects(image, hit=hits[999][1], stride=4, group=1.0, **values)
+    values.update(win_stride=4, group_threshold=1.0, max_people=1000)
+    found = detect(image, hit_threshold=-1.0, **values)
+    boxes = sorted(clipped(box, (320, 240)) for box, _ in expected)
+    assert found and sorted(one.box for one in found) == boxes
+    assert [one.weight for one in found] == pytest.approx([weight for _, weight in expected])
+
+
 @pytest.mark.parametrize(
     "size, max_width", [((1280, 400), 400), ((320, 400), 64)], ids=["panorama", "small max_width"]
 )

@@ -8,6 +8,7 @@
 
 #include "core/common/work_limit.hpp"
 #include "core/image/rects.hpp"
+#include "person_windows.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
 
@@ -19,8 +20,7 @@ namespace
 constexpr double kMinWindows = 1.5;  // that an image is shrunk to, along either side: a window alone fits nobody well
 constexpr int kBlockStride = 8;      // px, of the models
 constexpr int kCell = 4;             // px, that a stride is a multiple of
-constexpr int kMaxSizes = 1000;      // more than an image has; OpenCV's 64 end at 454 px with a scale of 1.02
-constexpr double kMaxSteps = 1.2e8;  // of detectMultiScale for an image, some 40 ns each
+constexpr double kMaxSteps = 1.2e8;  // of findWindows() for an image, some 40 ns each
 
 cv::HOGDescriptor makeDescriptor(const PeopleParams& params)
 {
@@ -33,7 +33,6 @@ cv::HOGDescriptor makeDescriptor(const PeopleParams& params)
   }
   else
     hog.setSVMDetector(cv::HOGDescriptor::getDefaultPeopleDetector());
-  hog.nlevels = kMaxSizes;
   return hog;
 }
 
@@ -48,9 +47,8 @@ int strideOf(const PeopleParams& params)
 /// in both directions.
 double stepsOf(const cv::Size& image, const cv::Size& window, const PeopleParams& params)
 {
-  const double smallest = std::min(1.0 * image.width / window.width, 1.0 * image.height / window.height);
   double pixels = 0.0;  // as a share of the image's
-  for (double scale = 1.0; scale <= smallest; scale *= params.scale)
+  for (const double scale : windowScales(image, window, params.scale))
     pixels += 1.0 / (scale * scale);
   const int finer = kBlockStride / std::gcd(kBlockStride, strideOf(params));
   return pixels * finer * finer;
@@ -64,7 +62,6 @@ cv::Rect enlarged(const cv::Rect& box, double scale_x, double scale_y, const cv:
   return cv::Rect(corner, end) & cv::Rect({0, 0}, image);
 }
 
-/// Threads find windows in any order.
 bool isSurer(const Person& a, const Person& b)
 {
   const auto key = [](const Person& one)
@@ -101,18 +98,16 @@ std::vector<Person> PeopleDetector::detect(const cv::Mat& image, const std::stri
   cv::Mat smaller = bgr;
   if (size != bgr.size()) cv::resize(bgr, smaller, size, 0.0, 0.0, cv::INTER_AREA);
 
-  std::vector<cv::Rect> boxes;
-  std::vector<double> weights;
-  const cv::Size stride(strideOf(params_), strideOf(params_)), padding(params_.padding, params_.padding);
-  hog_.detectMultiScale(smaller, boxes, weights, params_.hit_threshold, stride, padding, params_.scale,
-                        params_.group_threshold, params_.mean_shift);
+  PersonWindows found = findWindows(hog_, smaller, {strideOf(params_), strideOf(params_)}, params_);
+  groupWindows(hog_, found, params_);
   const double scale_x = static_cast<double>(bgr.cols) / size.width;
   const double scale_y = static_cast<double>(bgr.rows) / size.height;
   std::vector<Person> people;
-  for (std::size_t i = 0; i < boxes.size(); ++i)
+  for (std::size_t i = 0; i < found.boxes.size(); ++i)
   {
-    const cv::Rect box = enlarged(boxes[i], scale_x, scale_y, bgr.size());
-    if (!box.empty()) people.push_back({box, weights[i], 1.0 / (1.0 + std::exp(-weights[i]))});
+    const cv::Rect box = enlarged(found.boxes[i], scale_x, scale_y, bgr.size());
+    const double weight = found.weights[i];
+    if (!box.empty()) people.push_back({box, weight, 1.0 / (1.0 + std::exp(-weight))});
   }
   std::sort(people.begin(), people.end(), isSurer);
   people.resize(std::min(people.size(), static_cast<std::size_t>(params_.max_people)));
