@@ -573,6 +573,20 @@ def test_boxes_that_cannot_be_used_are_refused(start, folder, box, predicted, te
     assert "Traceback" not in door.process.output()
 
 
+def test_only_the_best_of_thousands_of_faces_are_looked_at(start, folder):
+    door = Door(start, f"_gallery:={folder}", *AT_ONCE)
+    many = [face((x, y, 20, 20)) for y in range(50) for x in range(60)]
+    for one, rank in zip(many, np.random.default_rng(1).permutation(len(many))):
+        one.score = 1.0 - rank / len(many)
+    named, identities, _ = door.answer(door.send(BLANK, many))
+    best = sorted(many, key=lambda one: one.score, reverse=True)[:100]
+    assert [one.box for one in named.detections] == [one.box for one in best]
+    assert len(identities.identities) == 100
+    text = "3000 detections in a message: only the 100 of the highest score are looked at"
+    door.process.wait_for_output(text)
+    assert door.look(ANNA) == "Anna"
+
+
 @pytest.mark.parametrize("faces_first", [False, True])
 def test_faces_of_an_image_of_another_size_are_refused(start, folder, diagnostics, faces_first):
     door = Door(start, f"_gallery:={folder}", "_diagnostic_period:=0.1", *AT_ONCE)

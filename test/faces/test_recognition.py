@@ -3,6 +3,7 @@
 import concurrent.futures
 import math
 import threading
+import tracemalloc
 
 import cv2
 import numpy as np
@@ -103,6 +104,21 @@ def test_box_far_larger_than_the_image_is_refused(box):
         with pytest.raises(ValueError, match=r"the box .* must have sides of at most 80 px"):
             use(image, box)
     assert normalized(image, (0, 0, 80, 80)).shape == (SIDE, SIDE)
+
+
+@pytest.mark.parametrize("use, side", [(normalized, SIDE), (portrait, PORTRAIT_SIDE)])
+def test_box_larger_than_a_large_image_takes_little_memory(use, side):
+    image = np.zeros((2160, 3840, 3), np.uint8)
+    image[:, 2000:] = 255
+    for box in ((0, 0, 7680, 7680), (3839, 2159, 7680, 7680), (-7679, -7679, 7680, 7680)):
+        tracemalloc.start()
+        face = use(image, box)
+        _, most = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        assert face.shape[:2] == (side, side) and most < image.nbytes, box
+    wide = portrait(image, (0, 0, 7680, 7680))  # from -3840 to 11520: white from 5840 on
+    edge = round(PORTRAIT_SIDE * 5840 / 15360)
+    assert not wide[:, : edge - 3].any() and (wide[:, edge + 3 :] == 255).all()
 
 
 def test_normalized_faces_are_alike_in_any_size_and_light():

@@ -43,6 +43,10 @@ def cut_out(image: np.ndarray, box: Box, margin: float = 0.0) -> np.ndarray:
         ValueError: check_box() refuses the box.
     """
     check_box(image, box)
+    return _cut_out(image, box, margin)
+
+
+def _cut_out(image: np.ndarray, box: Box, margin: float) -> np.ndarray:
     x, y, width, height = box
     across, down = round(margin * width), round(margin * height)
     left, top, right, bottom = x - across, y - down, x + width + across, y + height + down
@@ -50,6 +54,26 @@ def cut_out(image: np.ndarray, box: Box, margin: float = 0.0) -> np.ndarray:
     inside = image[max(top, 0) : max(bottom, 0), max(left, 0) : max(right, 0)]
     borders = max(-top, 0), max(bottom - rows, 0), max(-left, 0), max(right - columns, 0)
     return cv2.copyMakeBorder(inside, *borders, cv2.BORDER_REPLICATE)
+
+
+def _cut_out_small(image: np.ndarray, box: Box, side: int, margin: float = 0.0) -> np.ndarray:
+    """Returns what cut_out() does, reduced to some 2 * `side` px if it is larger than the image.
+
+    What is repeated outside of a large image would take hundreds of megabytes.
+    """
+    check_box(image, box)
+    longer = (1.0 + 2.0 * margin) * max(box[2:])
+    scale = 2.0 * side / longer
+    if scale >= 1.0 or longer <= max(image.shape[:2]):
+        return _cut_out(image, box, margin)
+    x, y, width, height, rows, columns = (
+        round(scale * value) for value in (*box, *image.shape[:2])
+    )
+    width, height, rows, columns = (max(1, value) for value in (width, height, rows, columns))
+    # A box that touches the image still does.
+    x, y = min(max(x, 1 - width), columns - 1), min(max(y, 1 - height), rows - 1)
+    reduced = cv2.resize(image, (columns, rows), interpolation=cv2.INTER_AREA)
+    return _cut_out(reduced, (x, y, width, height), margin)
 
 
 def normalized(image: np.ndarray, box: Box) -> np.ndarray:
@@ -66,7 +90,7 @@ def normalized(image: np.ndarray, box: Box) -> np.ndarray:
     Raises:
         ValueError: check_box() refuses the box.
     """
-    face = gray(cut_out(image, box))
+    face = gray(_cut_out_small(image, box, SIDE))
     shrinks = min(face.shape) > SIDE
     face = cv2.resize(
         face, (SIDE, SIDE), interpolation=cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR
@@ -84,7 +108,7 @@ def portrait(image: np.ndarray, box: Optional[Box] = None) -> np.ndarray:
     Raises:
         ValueError: There is no face, or check_box() refuses the box.
     """
-    face = cut_out(image, box or _require_face(image), MARGIN)
+    face = _cut_out_small(image, box or _require_face(image), PORTRAIT_SIDE, MARGIN)
     rows, columns = face.shape[:2]
     scale = min(1.0, PORTRAIT_SIDE / max(rows, columns))
     size = max(1, round(columns * scale)), max(1, round(rows * scale))

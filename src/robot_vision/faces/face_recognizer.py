@@ -13,6 +13,7 @@ from ..common.plain_text import to_ascii
 from ..msg import Detection, DetectionArray, FaceIdentity, FaceIdentityArray
 from ..ros.configs import FaceRecognizerConfig
 from ..ros.context import current
+from ..ros.detection_limit import best_detections
 from ..ros.frame_pairs import FramePairs
 from ..ros.image_node import ImageNode
 from ..ros.live_params import LiveParams, filled
@@ -107,15 +108,18 @@ class FaceRecognizer:
 
     def _process(self, frame: Frame, faces: DetectionArray) -> None:
         """Recognises the faces in a frame; raises FrameError if they do not fit it."""
-        _check(frame, faces)
+        best = DetectionArray(
+            faces.header, faces.width, faces.height, best_detections(faces.detections)
+        )
+        _check(frame, best)
         now = time.monotonic()
         with self._lock:
             self._notice_other_ids(faces)
-            self._identities.see((face.id for face in faces.detections), now)
-            found = [self._identify(frame.image, face, now) for face in faces.detections]
-            self._publish(frame, faces, found)
+            self._identities.see((face.id for face in best.detections), now)
+            found = [self._identify(frame.image, face, now) for face in best.detections]
+            self._publish(frame, best, found)
             offered = [
-                OfferedFace(box_of(face.box), face.id, face.predicted) for face in faces.detections
+                OfferedFace(box_of(face.box), face.id, face.predicted) for face in best.detections
             ]
             self._services.offer(frame.image, offered, now)
 

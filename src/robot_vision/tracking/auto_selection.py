@@ -13,6 +13,7 @@ from .. import ObjectTracker, TrackedObject
 from ..common.plain_text import MAX_NAME_LENGTH
 from ..common.polygons import is_inside
 from ..msg import Detection, DetectionArray
+from ..ros.detection_limit import best_detections
 from ..ros.frame_pairs import MAX_UNMATCHED
 from ..ros.image_node import INPUT_TIMEOUT
 from ..ros.messages import clipped_box
@@ -22,7 +23,6 @@ from .selections import MAX_OBJECTS
 
 HISTORY = 8  # frames at least that are kept, in which detectors that differ may have looked
 MAX_WAITING = 10  # messages that wait for their frames
-MAX_CANDIDATES = 100  # detections of a message with the highest scores; each is compared with each
 
 
 class Past(NamedTuple):
@@ -193,24 +193,14 @@ class AutoSelection:
         before = [] if has_paused else self._candidates
         self._looked_at = now
         self._candidates = []
-        for one in self._best(detections):
+        wanted = [one for one in detections if self._label in ("", one.label)]
+        for one in best_detections(wanted):
             since = [old.since for old in before if is_same(old.detection, one)]
             if since or self._is_found(one):
                 self._candidates.append(Candidate(one, min([now, *since])))
 
     def _is_found(self, detection: Detection) -> bool:
         return self._predicted or not detection.predicted
-
-    def _best(self, detections: List[Detection]) -> List[Detection]:
-        wanted = [one for one in detections if self._label in ("", one.label)]
-        if len(wanted) > MAX_CANDIDATES:
-            rospy.logwarn_throttle(
-                10.0,
-                f"{len(wanted)} detections in a message: only the {MAX_CANDIDATES} of the highest "
-                "score are looked at",
-            )
-            wanted.sort(key=lambda one: one.score, reverse=True)
-        return wanted[:MAX_CANDIDATES]
 
     def _select_uncovered(self, number: int) -> None:
         frame, outlines = self._frames[number]
