@@ -153,6 +153,7 @@ def test_gray_paint_has_no_color():
         ({}, True, True),
         ({"white_low": 240}, False, True),
         ({"yellow_saturation": 250}, True, False),
+        ({"yellow_lightness": 160}, True, False),
         ({"yellow_low": 30}, True, False),
         ({"yellow_high": 16}, True, False),
     ],
@@ -160,6 +161,13 @@ def test_gray_paint_has_no_color():
 def test_colors_are_those_of_the_parameters(values, left, right):
     lane = lane_in(road_of(0.0, SOLID), method="color", **values)
     assert (lane.left.found, lane.right.found) == (left, right)
+
+
+@pytest.mark.parametrize("floor", [(3, 6, 9), (12, 15, 18)])
+def test_the_noise_of_a_dark_floor_is_not_yellow(floor):
+    lane = lane_in(road_of(0.0, SOLID, floor=floor), 0.05, noise=3.0, method="color")
+    assert_lane(lane, 0.05, 0.0, 0.0)
+    assert lane.left.found and lane.right.found
 
 
 def test_the_lens_is_respected():

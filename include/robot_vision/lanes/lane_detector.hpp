@@ -21,6 +21,7 @@ struct LaneParams
   int yellow_low = 15;
   int yellow_high = 35;
   int yellow_saturation = 80;
+  int yellow_lightness = 40;
   double lane_width = 0.4;
   double width_tolerance = 0.25;
   int windows = 10;
@@ -47,6 +48,8 @@ struct LaneParams
     visit("yellow_high", &LaneParams::yellow_high, Range{0, 180}, "half degrees",
           "color: highest hue of yellow, yellow_low or more");
     visit("yellow_saturation", &LaneParams::yellow_saturation, Range{0, 255}, "", "color: lowest saturation of yellow");
+    visit("yellow_lightness", &LaneParams::yellow_lightness, Range{0, 255}, "",
+          "color: lowest lightness of yellow, below which noise has all colors");
     visit("lane_width", &LaneParams::lane_width, Above{0, 100}, "m", "between the middles of both lines");
     visit("width_tolerance", &LaneParams::width_tolerance, Range{0.01, 0.9}, "",
           "share by which the width of a lane may differ from lane_width, everywhere in view");

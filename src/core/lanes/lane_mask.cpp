@@ -61,8 +61,8 @@ cv::Mat whiteOrYellow(const cv::Mat& view, const LaneParams& params)
   cv::Mat hls, white, yellow;
   cv::cvtColor(view, hls, cv::COLOR_BGR2HLS);
   cv::inRange(hls, cv::Scalar(0, params.white_low, 0), cv::Scalar::all(255), white);
-  cv::inRange(hls, cv::Scalar(params.yellow_low, 0, params.yellow_saturation), cv::Scalar(params.yellow_high, 255, 255),
-              yellow);
+  cv::inRange(hls, cv::Scalar(params.yellow_low, params.yellow_lightness, params.yellow_saturation),
+              cv::Scalar(params.yellow_high, 255, 255), yellow);
   return white | yellow;
 }
 
