@@ -7,6 +7,7 @@ from faces import BACKGROUND, RATE, frame, iou
 from frames import Camera
 from sensor_msgs.msg import Image
 
+from robot_vision.faces.face_detector import slowness_text
 from robot_vision.msg import DetectionArray
 
 
@@ -120,6 +121,22 @@ def test_parameters_change_live_and_bad_ones_are_refused(start, tmp_path):
         person.process.wait_for_output("refused, the parameters stay as they are: " + text)
         (after,) = at(truth, person.show(frame(3)[0])[1])
         assert after.id == face.id
+
+
+@pytest.mark.parametrize(
+    "search_time, period, after",
+    [(0.24, 0.5, ""), (0.26, 0.5, "0.52"), (0.6, 0.5, "1.20"), (0.26, 0.0, ""), (0.0, 0.5, "")],
+)
+def test_searches_that_take_longer_than_half_of_the_period_are_too_slow(search_time, period, after):
+    text = slowness_text(search_time, period)
+    assert text.startswith(f"a new face may be found after {after} s only, ") if after else not text
+
+
+def test_searches_that_are_too_slow_are_told(start):
+    person = Person(start, "_max_search_period:=0.01")  # A search takes a frame at least.
+    person.show_until_found()
+    text = "s only, max_search_period is 0.01 s"
+    support.wait_for(lambda: person.show(BACKGROUND) and text in person.process.output(), text)
 
 
 def test_bad_value_at_start_is_fatal(start):

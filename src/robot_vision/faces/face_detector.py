@@ -57,24 +57,15 @@ class FaceDetector:
             faces = self._detector.update(time, frame.image)
             looked_at = faces if with_eyes else []
             eyes = [(face, box) for face in looked_at for box in self._detector.find_eyes(face)]
-            self._warn_if_slow(self._detector.search_time)
+            slowness = slowness_text(self._detector.search_time, self._period)
+        if slowness:
+            rospy.logwarn_throttle(60.0, slowness)
         found = (face_detection(face) for face in faces)
         self._faces.publish(detection_array(frame, found))
         found = (box_detection(box, "eye", face.id) for face, box in eyes)
         self._eyes.publish(detection_array(frame, found))
         if drawn:
             self._publish_overlay(frame, faces, eyes)
-
-    def _warn_if_slow(self, search_time: float) -> None:
-        longest = 2.0 * search_time  # A face may appear just after a search has begun.
-        if longest > 1.5 * self._period > 0.0:
-            rospy.logwarn_throttle(
-                60.0,
-                "a new face may be found after %.1f s only, max_search_period is %g s: a larger "
-                "haar_minSize or haar_scaleFactor makes the search faster",
-                longest,
-                self._period,
-            )
 
     def _publish_overlay(
         self, frame: Frame, faces: List[Face], eyes: List[Tuple[Face, Box]]
@@ -87,6 +78,22 @@ class FaceDetector:
         for _, box in eyes:
             draw_outline(overlay, corners(box), color=EYE)
         self._processed.publish(overlay, "bgr8", frame.header)
+
+
+def slowness_text(search_time: float, period: float) -> str:
+    """Returns why new faces are found later than `max_search_period` says, or an empty text.
+
+    Args:
+        search_time: s, that a search of the whole image takes.
+        period: s, within which a new face is to be found; 0: one search follows the other.
+    """
+    longest = 2.0 * search_time  # A face may appear just after a search has begun.
+    if not longest > period > 0.0:
+        return ""
+    return (
+        f"a new face may be found after {longest:.2f} s only, max_search_period is {period:g} s: "
+        "a larger haar_minSize or haar_scaleFactor makes the search faster"
+    )
 
 
 def with_course_names(text: str) -> str:
