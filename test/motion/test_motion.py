@@ -91,6 +91,28 @@ def test_previous_frame_sees_what_moves_now():
     assert np.mean(moving) >= 0.95 and np.mean(resting) <= 0.05
 
 
+@pytest.mark.parametrize("method", ["first_frame", "previous_frame", "running_average", "mog2"])
+def test_only_the_first_frame_stays_the_background_when_time_goes_back(method):
+    detector = rv.MotionDetector(params(method=method))
+    detector.update(10.0, frame_of(0, box=False)[0])
+    image, truth = frame_of(60)
+    for second, kept in ((10.1, True), (9.0, method == "first_frame")):
+        regions = detector.update(second, image).regions
+        assert len(regions) == kept, second
+        assert not kept or iou(regions[0].box, truth) > 0.5
+    empty = detector.update(9.1, frame_of(0, box=False, seed=1)[0])
+    assert len(empty.regions) == (method != "first_frame")
+
+
+def test_a_change_of_the_whole_image_settles_anew_when_time_goes_back():
+    detector = rv.MotionDetector(params(settle=1.0))
+    dark = frame_of(0, box=False)[0] // 3
+    lit = frame_of(0, box=False)[0] // 2 + 100
+    detector.update(10.0, dark)
+    for second, is_change in ((10.5, True), (5.0, True), (5.9, True), (6.0, True), (6.1, False)):
+        assert detector.update(second, lit).everywhere == is_change, second
+
+
 def test_a_shaken_camera_is_not_one_huge_box():
     detector = rv.MotionDetector(params(threshold=10.0, max_changed=0.3))
     still = frame_of(0, box=False)[0]

@@ -38,8 +38,11 @@ struct MotionDetector::Impl
   {
     requireFinite("time_s", time_s);
     const EncodedImage frame = background.prepare(image, encoding);
-    const bool is_new = time_s < last_time || !background.fits(frame, encoding);
+    const bool is_earlier = time_s < last_time;
     last_time = time_s;
+    if (is_earlier) everywhere_since.reset();
+    // What the first frame shows is the background whenever it was.
+    const bool is_new = (is_earlier && params.method != "first_frame") || !background.fits(frame, encoding);
     Motion motion;
     motion.mask = writableMask(frame.pixels.size());
     if (is_new)

@@ -502,7 +502,9 @@ TEST(MotionDetector, aLampIsNoMotion)
 
 TEST(MotionDetector, anImageOfAnotherSizeOrAnEarlierTimeIsABackground)
 {
-  MotionDetector detector;
+  MotionParams params;
+  params.method = "running_average";
+  MotionDetector detector(params);
   detector.update(5.0, cv::Mat(40, 60, CV_8UC1, cv::Scalar(0)), "mono8");
   EXPECT_EQ(detector.update(6.0, cv::Mat(41, 60, CV_8UC1, cv::Scalar(200)), "mono8").changed, 0.0);
   EXPECT_EQ(detector.update(7.0, cv::Mat(41, 60, CV_8UC1, cv::Scalar(0)), "mono8").changed, 1.0);
@@ -514,7 +516,9 @@ TEST(MotionDetector, anImageOfAnotherSizeOrAnEarlierTimeIsABackground)
 TEST(MotionDetector, refusesATimeThatIsNone)
 {
   const cv::Mat empty(32, 32, CV_8UC3, cv::Scalar::all(0));
-  MotionDetector detector;
+  MotionParams params;
+  params.method = "running_average";
+  MotionDetector detector(params);
   detector.update(5.0, empty, "bgr8");
   for (const double time : {std::nan(""), std::numeric_limits<double>::infinity()})
     EXPECT_THROW(detector.update(time, empty, "bgr8"), std::invalid_argument) << time;
