@@ -21,6 +21,7 @@ from sensor_msgs.msg import Image, RegionOfInterest
 from std_msgs.msg import Header
 from still_clock import StillClock
 
+from robot_vision.common.polygons import box_corners
 from robot_vision.msg import (
     Detection,
     DetectionArray,
@@ -32,7 +33,7 @@ from robot_vision.msg import (
 from robot_vision.ros.image_node import INPUT_TIMEOUT
 from robot_vision.srv import ForgetObject, SelectObject
 from robot_vision.tracking import auto_selection
-from robot_vision.tracking.auto_selection import AutoSelection, corners_of
+from robot_vision.tracking.auto_selection import AutoSelection
 from robot_vision.tracking.selections import MAX_OBJECTS, TrackSelection, TrackSelections
 from robot_vision.transport import Frame
 
@@ -448,7 +449,7 @@ class Selector:
 
     def objects(self):
         return [
-            types.SimpleNamespace(id=number, tracked=True, outline=corners_of(box))
+            types.SimpleNamespace(id=number, tracked=True, outline=box_corners(box))
             for number, box in self.boxes.items()
         ]
 

@@ -1,6 +1,6 @@
 """Polygons in the plane, as (n, 2) arrays of their corners."""
 
-from typing import Tuple
+from typing import Sequence, Tuple
 
 import numpy as np
 
@@ -26,3 +26,9 @@ def is_inside(polygon: np.ndarray, point: Tuple[float, float]) -> bool:
     crosses = (begins[:, 1] > 0.0) != (ends[:, 1] > 0.0)
     right = (turns > 0.0) == (ends[:, 1] > begins[:, 1])
     return bool(np.count_nonzero(crosses & right) % 2)
+
+
+def box_corners(box: Sequence[int]) -> np.ndarray:
+    """Returns the corners, (4, 2), of a box (x, y, width, height)."""
+    x, y, width, height = box
+    return np.array([(x, y), (x + width, y), (x + width, y + height), (x, y + height)], float)

@@ -18,6 +18,7 @@ from .. import (
     VerifierParams,
     outline_overlaps,
 )
+from ..common.polygons import box_corners
 from .found import Found, KnownObject, Limits, are_same
 from .pair_method import PAIRS, pair_matcher
 from .texture_method import TEXTURES, texture_matcher
@@ -25,7 +26,6 @@ from .view_method import VIEWS, view_matcher
 
 NEEDS_DEPTH = "not recognized: what was learned of it needs depth"
 SAME_PLACE = 0.5  # intersection over union of the boxes of two poses of one thing
-CORNERS = (0, 0), (1, 0), (1, 1), (0, 1)
 
 
 class RecognitionParams(NamedTuple):
@@ -214,7 +214,8 @@ def _once(found: Sequence[Any]) -> List[Any]:
     """
     kept: List[Any] = []
     for one in sorted(found, key=lambda one: -one.probability):
-        shared = (outline_overlaps(_outline(one.box), _outline(other.box))[0] for other in kept)
+        outline = _outline(one.box)
+        shared = (outline_overlaps(outline, _outline(other.box))[0] for other in kept)
         if all(share <= SAME_PLACE for share in shared):
             kept.append(one)
     return kept
@@ -223,7 +224,7 @@ def _once(found: Sequence[Any]) -> List[Any]:
 def _outline(box: Sequence[int]) -> np.ndarray:
     """Returns the corners, (4, 2), of a box in the image, as of a pixel if it is empty."""
     x, y, width, height = box
-    return np.array([x, y]) + np.array(CORNERS) * (max(width, 1), max(height, 1))
+    return box_corners((x, y, max(width, 1), max(height, 1)))
 
 
 def _renumbered(candidates: Sequence[Any], objects: Sequence[int]) -> List[Any]:

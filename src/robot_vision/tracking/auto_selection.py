@@ -11,7 +11,7 @@ import rospy
 
 from .. import ObjectTracker, TrackedObject
 from ..common.plain_text import MAX_NAME_LENGTH
-from ..common.polygons import is_inside
+from ..common.polygons import box_corners, is_inside
 from ..msg import Detection, DetectionArray
 from ..ros.detection_limit import best_detections
 from ..ros.frame_pairs import MAX_UNMATCHED
@@ -225,13 +225,7 @@ class AutoSelection:
             self._own.add(selected)
             # Further detections of it may come for frames in which it was not tracked yet.
             for later in list(self._frames)[number:]:
-                later.outlines.append(corners_of(region))
-
-
-def corners_of(box: Tuple[int, int, int, int]) -> np.ndarray:
-    """Returns the corners, (4, 2), of a box (x, y, width, height)."""
-    x, y, width, height = box
-    return np.array([(x, y), (x + width, y), (x + width, y + height), (x, y + height)], float)
+                later.outlines.append(box_corners(region))
 
 
 def is_same(before: Detection, now: Detection) -> bool:
