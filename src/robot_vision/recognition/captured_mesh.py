@@ -19,16 +19,15 @@ MIN_VOXEL = 0.0015  # m; what is smaller is less than depth cameras tell
 MARGIN = 4  # voxels around the object
 
 
-def wants_mesh(database: Database, one: Object) -> bool:
+def wants_mesh(database: Database, object_id: str) -> bool:
     """Returns whether an object has no mesh but one that was made of observations."""
-    entry = database.meshes.entry(one.id)
+    entry = database.meshes.entry(object_id)
     return entry is None or entry.file_name == CAPTURED
 
 
 def forget_mesh(database: Database, object_id: str) -> None:
     """Deletes, within a transaction, a mesh that was made of observations which are no more."""
-    entry = database.meshes.entry(object_id)
-    if entry is not None and entry.file_name == CAPTURED:
+    if wants_mesh(database, object_id):
         database.meshes.delete(object_id)
 
 
@@ -53,7 +52,7 @@ def make_mesh(database: Database, one: Object, floor: float) -> str:
     size = np.asarray(mesh_extent(mesh).size)
     stored = Mesh(CAPTURED, ply_of(mesh), pack_mesh(mesh))
     with database.transaction():
-        if not wants_mesh(database, one):
+        if not wants_mesh(database, one.id):
             return f"'{one.name}' was given a mesh meanwhile, which stays"
         database.meshes.set(one.id, stored)
     sides = " x ".join(f"{1000.0 * side:.0f}" for side in size)

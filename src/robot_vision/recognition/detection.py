@@ -45,28 +45,27 @@ def main() -> int:
     typed = [word for word in sys.argv[1:] if ":=" in word]
     sys.argv[1:] = with_typed(words, typed)
     rospy.names.reload_mappings(sys.argv)  # rospy has read them when it was imported.
-    by_file = set_by(sys.argv[1:]) - set_by(typed)
 
     def start() -> ObjectRecognizer:
-        _forget_earlier(by_file, set_by(typed))
+        _forget_earlier(set_by(sys.argv[1:]), set_by(typed))
         return ObjectRecognizer()
 
     run_node(arguments.node_name, start)
     return 0
 
 
-def _forget_earlier(by_file: Set[str], typed: Set[str]) -> None:
+def _forget_earlier(given: Set[str], typed: Set[str]) -> None:
     """Deletes what the file of an earlier run has left on the parameter server.
 
     Args:
-        by_file: The private parameters that are of the file now.
-        typed: Those of the command line.
+        given: The private parameters that this run sets.
+        typed: Those of them that are not of its file.
     """
     earlier = set(read_param("set_by_file", "").split(",")) - {""}
-    for name in earlier - by_file - typed:
+    for name in earlier - given:
         with contextlib.suppress(KeyError):
             rospy.delete_param("~" + name)
-    rospy.set_param("~set_by_file", ",".join(sorted(by_file)))
+    rospy.set_param("~set_by_file", ",".join(sorted(given - typed)))
 
 
 def parse_arguments(command: Sequence[str]) -> argparse.Namespace:

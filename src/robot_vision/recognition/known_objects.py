@@ -1,5 +1,6 @@
 """The objects that a node is to recognize, loaded from the database."""
 
+import dataclasses
 import itertools
 from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
@@ -31,13 +32,14 @@ class Loaded(NamedTuple):
     problem: str
 
 
-class _Part(NamedTuple):
+@dataclasses.dataclass
+class _Part:
     """What was loaded of an object: itself if it has a model, and what there is to warn of."""
 
-    known: Optional[KnownObject]
-    can_be_learned: bool  # by one of the methods, as it has a mesh or observations
-    lacks: List[str]  # what it was not learned by, or has changed since
-    failures: List[str]  # what of it cannot be used
+    known: Optional[KnownObject] = None
+    can_be_learned: bool = False  # by one of the methods, as it has a mesh or observations
+    lacks: List[str] = dataclasses.field(default_factory=list)  # not learned, or changed since
+    failures: List[str] = dataclasses.field(default_factory=list)  # what of it cannot be used
 
 
 def load_objects(
@@ -100,18 +102,18 @@ def _load(
     database: Database, one: Object, methods: Sequence[str], before: Optional[KnownObject]
 ) -> _Part:
     """Returns an object with those of its models that can be used, which may come from others."""
-    part = _Part(None, False, [], [])
-    entries, can_be_learned = _entries(database, one, methods, part)
-    part = part._replace(can_be_learned=can_be_learned)
+    part = _Part()
+    entries = _entries(database, one, methods, part)
     try:
         mesh = database.meshes.entry(one.id)
         made_of = _made_of(one, mesh, entries)
         if before is not None and before.made_of == made_of:
-            return part._replace(known=before)
+            part.known = before
+            return part
         models = _models(database, one, entries, part)
         if models:
             made_of = made_of if len(models) == len(entries) else ()
-            part = part._replace(known=_known(database, one, mesh, models, made_of))
+            part.known = _known(database, one, mesh, models, made_of)
     except ValueError as error:
         part.failures.append(f"'{one.name}' is not recognized: {error}")
     return part
@@ -119,14 +121,12 @@ def _load(
 
 def _entries(
     database: Database, one: Object, methods: Sequence[str], part: _Part
-) -> Tuple[List[ModelEntry], bool]:
-    """Returns what methods have learned of an object, and whether one of them can learn it.
+) -> List[ModelEntry]:
+    """Returns what methods have learned of an object, and adds what there is to tell of it.
 
-    What there is to tell of it is added to `part`. What was learned by a mesh that is no more is
-    left out.
+    What was learned by a mesh that is no more is left out.
     """
     entries = []
-    can_be_learned = False
     for name in methods:
         try:
             entry = database.models.entry(one.id, name)
@@ -136,7 +136,7 @@ def _entries(
             continue
         if task is None:
             continue
-        can_be_learned = True
+        part.can_be_learned = True
         if entry is None:
             part.lacks.append(f"'{one.name}' was not learned by {name}: training does it")
             continue
@@ -144,11 +144,11 @@ def _entries(
             changed = f"'{one.name}' has changed since {name} has learned it: training does it"
             part.lacks.append(changed)
         entries.append(entry)
-    if not can_be_learned and not part.failures:
+    if not part.can_be_learned and not part.failures:
         part.lacks.append(
             f"'{one.name}' has no mesh to learn it by: mesh_add.py {one.id[:8]} FILE adds it"
         )
-    return entries, can_be_learned
+    return entries
 
 
 def _models(

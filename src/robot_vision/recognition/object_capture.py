@@ -55,7 +55,7 @@ def capture(arguments: argparse.Namespace) -> None:
         print(run.result(), flush=True)
         if not arguments.commit:
             print(COMMIT)
-        elif not arguments.no_mesh and wants_mesh(database, one):
+        elif not arguments.no_mesh and wants_mesh(database, one.id):
             print(make_mesh(database, one, arguments.floor), flush=True)
 
 
