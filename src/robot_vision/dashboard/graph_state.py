@@ -156,8 +156,7 @@ def shown_topic(topic: str, state: State) -> str:
     """
     if not topic or topic in state.publishers:
         return topic
-    ends = ("/compressed", "/compressedDepth")
-    return next((topic + end for end in ends if _has_compressed(topic + end, state)), topic)
+    return next((topic + end for end in TRANSPORTS if _has_compressed(topic + end, state)), topic)
 
 
 def _has_compressed(topic: str, state: State) -> bool:
